@@ -1,0 +1,49 @@
+//! What a hit asks of a light source, and the answer (eq. 2 and 9).
+
+use glam::DVec3;
+
+use crate::material::Lobes;
+
+/// Which of model.md's two photometries a scene uses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Photometry {
+    /// Eq. 2 and 9 as they stand: Σ Φ_i c_i (k_d g_d + k_s g_s).
+    Relative,
+    /// Σ Φ_i c_i / (π r²) (k_d/π g_d + k_s (n_s + 2)/(2π) g_s), r in metres.
+    Absolute,
+}
+
+/// The side of eq. 2 that does not depend on the light sample.
+#[derive(Debug, Clone, Copy)]
+pub struct HitQuery<'a> {
+    /// P, mm.
+    pub point: DVec3,
+    /// N of eq. 3, unit, on V's side.
+    pub normal: DVec3,
+    /// V, unit, from P to where the ray came from.
+    pub view: DVec3,
+    pub lobes: &'a Lobes,
+    pub photometry: Photometry,
+    /// Sum the samples on the viewer's side (L·N > 0), lobe about the mirror direction.
+    pub reflects: bool,
+    /// Sum the samples on the far side (L·N < 0), lobe about −V.
+    pub transmits: bool,
+}
+
+/// The sums of eq. 9 without spectra: multiply by I_norm(λ) F(λ) / (K Σ I_norm V Δλ).
+///
+/// Unit: lm (relative), lm m⁻² sr⁻¹ (absolute).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct LightSum {
+    pub reflected: f64,
+    pub transmitted: f64,
+    /// Estimates of |approximate − exact| of the two; 0 for the exact sum.
+    pub reflected_error: f64,
+    pub transmitted_error: f64,
+    /// Evaluated for this hit.
+    pub nodes: u32,
+    pub samples: u32,
+}
+
+/// Whether the segment from the hit to a light position is free.
+pub type Visibility<'a> = &'a dyn Fn(DVec3) -> bool;

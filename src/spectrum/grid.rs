@@ -1,0 +1,41 @@
+//! The working wavelengths.
+
+/// 380 to 780 nm in even steps; every spectrum of a render lives on one of these.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum WavelengthGrid {
+    Step5,
+    Step10,
+    Step20,
+}
+
+impl WavelengthGrid {
+    pub const FIRST_NM: f64 = 380.0;
+    pub const LAST_NM: f64 = 780.0;
+    /// The most bands that any grid has.
+    pub const MAX_BANDS: usize = 81;
+
+    pub fn step_nm(self) -> f64 {
+        match self {
+            Self::Step5 => 5.0,
+            Self::Step10 => 10.0,
+            Self::Step20 => 20.0,
+        }
+    }
+
+    /// 81, 41 or 21.
+    pub fn bands(self) -> usize {
+        match self {
+            Self::Step5 => 81,
+            Self::Step10 => 41,
+            Self::Step20 => 21,
+        }
+    }
+
+    pub fn lambda_nm(self, band: usize) -> f64 {
+        Self::FIRST_NM + self.step_nm() * band as f64
+    }
+
+    pub fn wavelengths_nm(self) -> impl Iterator<Item = f64> {
+        (0..self.bands()).map(move |band| self.lambda_nm(band))
+    }
+}
