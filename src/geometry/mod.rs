@@ -1,5 +1,6 @@
 //! Rays, hits, meshes with their normals, OBJ import, the BVH.
 
+pub mod bvh;
 pub mod mesh;
 pub mod obj;
 

@@ -47,3 +47,57 @@ pub struct LightSum {
 
 /// Whether the segment from the hit to a light position is free.
 pub type Visibility<'a> = &'a dyn Fn(DVec3) -> bool;
+
+/// Stand-in until the real tree lands: the exact sum in f64.
+#[derive(Debug)]
+pub struct LightTree {
+    set: crate::light::RaySet,
+    scale: f64,
+}
+
+impl LightTree {
+    pub fn build(set: &crate::light::RaySet) -> Self {
+        let total: f64 = set.samples.iter().map(|s| f64::from(s.flux)).sum();
+        Self { set: set.clone(), scale: set.flux_lm / total }
+    }
+
+    pub fn sum(&self, query: &HitQuery, _: f64, visible: Option<Visibility>) -> LightSum {
+        let mut sum = LightSum::default();
+        let mirror = 2.0 * query.normal.dot(query.view) * query.normal - query.view;
+        let lobes = query.lobes;
+        for sample in self.set.samples.iter() {
+            let s = DVec3::from_array(sample.position.map(f64::from));
+            let q = DVec3::from_array(sample.direction.map(f64::from)).normalize();
+            let s = self.set.world_from_local.transform_point3(s);
+            let q = self.set.world_from_local.transform_vector3(q).normalize();
+            let r = (s - query.point).length();
+            let l = (s - query.point) / r;
+            let c = (-l.dot(q)).max(0.0);
+            let cos = l.dot(query.normal);
+            let (axis, out) = if cos > 0.0 && query.reflects {
+                (mirror, &mut sum.reflected)
+            } else if cos < 0.0 && query.transmits {
+                (-query.view, &mut sum.transmitted)
+            } else {
+                continue;
+            };
+            if visible.is_some_and(|visible| !visible(s)) {
+                continue;
+            }
+            let absolute = query.photometry == Photometry::Absolute;
+            let pi = std::f64::consts::PI;
+            let mut value = cos.abs().powf(lobes.n_d) * lobes.k_d;
+            if absolute {
+                value /= pi;
+            }
+            for lobe in &lobes.specular {
+                let g = l.dot(axis).max(0.0).powf(lobe.n_s) * lobe.k_s;
+                value += if absolute { g * (lobe.n_s + 2.0) / (2.0 * pi) } else { g };
+            }
+            let falloff = if absolute { 1.0 / (pi * (r / 1000.0).powi(2)) } else { 1.0 };
+            *out += f64::from(sample.flux) * self.scale * c * falloff * value;
+        }
+        sum.samples = self.set.samples.len() as u32;
+        sum
+    }
+}
