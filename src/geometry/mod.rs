@@ -1,7 +1,9 @@
 //! Rays, hits, meshes with their normals, OBJ import, the BVH.
 
+pub mod bvh;
 pub mod mesh;
 
+pub use bvh::{Bvh, Departure};
 pub use glam::DVec3;
 pub use mesh::Mesh;
 
