@@ -4,6 +4,7 @@ pub mod bvh;
 pub mod mesh;
 pub mod obj;
 
+pub use bvh::{Bvh, Departure};
 pub use glam::DVec3;
 pub use mesh::Mesh;
 
