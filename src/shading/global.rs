@@ -66,10 +66,9 @@ impl Tracer<'_> {
         throughput: Bands,
         depth: u32,
     ) -> Branch {
-        let origin = self.prepared.bvh.leave(surface.point, surface.n_geom, direction);
         Branch {
-            ray: Ray { origin, direction },
-            leaving: Some(surface.hit.triangle),
+            ray: Ray { origin: surface.departure.toward(direction), direction },
+            leaving: Some(surface.triangle),
             depth: depth + 1,
             body,
             throughput,

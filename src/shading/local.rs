@@ -21,7 +21,7 @@ impl Tracer<'_> {
             self.add_ambient(material.k_a, tables, throughput, sum);
         }
         let query = HitQuery {
-            point: surface.point,
+            point: surface.departure.point,
             normal: surface.normal,
             view: surface.view,
             lobes: &material.lobes,
@@ -59,9 +59,9 @@ impl Tracer<'_> {
         let asked = Cell::new(0);
         let visible = |position: DVec3| {
             asked.set(asked.get() + 1);
-            let leaving = Some(surface.hit.triangle);
-            let blocks = &self.prepared.blocks;
-            !self.prepared.bvh.is_occluded(surface.point, position, leaving, blocks)
+            let from = surface.departure.toward(position - surface.departure.point);
+            let leaving = Some(surface.triangle);
+            !self.prepared.bvh.is_occluded(from, position, leaving, &self.prepared.blocks)
         };
         let answer = tree.sum(query, self.limits.light_error, Some(&visible));
         state.counts.shadow_rays += asked.get();

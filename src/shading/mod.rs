@@ -12,7 +12,7 @@ mod tables;
 pub use bands::Bands;
 pub use tables::{MaterialTables, SpectralTables};
 
-use crate::geometry::{DVec3, Hit, Ray, TriangleId};
+use crate::geometry::{DVec3, Departure, Hit, Ray, TriangleId};
 use crate::scene::{MaterialId, Prepared, Shadows};
 
 /// Where the tree of rays ends, and how exact the sum over light samples is.
@@ -87,12 +87,11 @@ struct Branch {
 /// A hit with its surface's frame: model.md, "V", "N_g, N".
 #[derive(Debug, Clone, Copy)]
 struct SurfacePoint {
-    hit: Hit,
-    point: DVec3,
+    triangle: TriangleId,
+    /// P, and where the rays that leave it start.
+    departure: Departure,
     material: MaterialId,
     side: Side,
-    /// On V's side.
-    n_geom: DVec3,
     /// Unit, on V's side (eq. 3).
     normal: DVec3,
     /// V.
@@ -149,7 +148,8 @@ impl Tracer<'_> {
         let (object, triangle) = self.prepared.bvh.locate(hit.triangle);
         let object = &self.prepared.scene.objects[object];
         let view = -ray.direction;
-        let outward = object.mesh.geometric_normal(triangle);
+        let departure = self.prepared.bvh.departure(&hit);
+        let outward = departure.n_geom;
         let shading = object.mesh.shading_normal(triangle, [hit.u, hit.v], outward);
         let (side, n_geom, normal) = if outward.dot(view) < 0.0 {
             (Side::Back, -outward, -shading)
@@ -157,11 +157,10 @@ impl Tracer<'_> {
             (Side::Front, outward, shading)
         };
         SurfacePoint {
-            hit,
-            point: self.prepared.bvh.hit_point(&hit),
+            triangle: hit.triangle,
+            departure,
             material: object.material,
             side,
-            n_geom,
             normal: if normal.dot(view) < 0.0 { n_geom } else { normal },
             view,
         }
