@@ -3,5 +3,8 @@
 
 pub mod rayset;
 pub mod sum;
+pub mod tree;
 
 pub use rayset::{RaySample, RaySet};
+pub use sum::{HitQuery, LightSum, Photometry, Visibility};
+pub use tree::LightTree;
