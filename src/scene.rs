@@ -7,7 +7,8 @@ use crate::error::{Error, Result};
 use crate::geometry::Mesh;
 use crate::geometry::bvh::Bvh;
 use crate::light::RaySet;
-use crate::light::sum::{LightTree, Photometry};
+use crate::light::sum::Photometry;
+use crate::light::tree::LightTree;
 use crate::material::Material;
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
