@@ -1,11 +1,19 @@
 //! RAYSET light sources: samples and spectrum, ray files, filaments and the comparison cylinder,
 //! and the sum over samples at a hit (eq. 9).
 
+pub mod coil;
+pub mod cylinder;
+pub mod filament;
+mod lambert;
 pub mod rayfile;
 pub mod rayset;
+mod sequence;
 pub mod sum;
 pub mod tree;
 
+pub use coil::Coil;
+pub use cylinder::Cylinder;
+pub use filament::Filament;
 pub use rayset::{RaySample, RaySet};
 pub use sum::{HitQuery, LightSum, Photometry, Visibility};
 pub use tree::LightTree;
