@@ -19,6 +19,7 @@
 //! Determinism: same inputs give the same bytes for any number of threads and any SIMD width, so
 //! no kernel's result depends on fused multiply-add or on the number of lanes.
 
+pub mod color;
 pub mod error;
 pub mod geometry;
 pub mod light;

@@ -1,6 +1,9 @@
 //! Indexed triangle meshes and their normals (eq. 3).
 
+use glam::{DAffine3, DQuat};
+
 use super::DVec3;
+use crate::error::{Error, Result};
 
 /// Triangles over shared positions, counter-clockwise from the front. Lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
@@ -16,8 +19,257 @@ pub struct Mesh {
 pub enum Shading {
     /// N = N_g (`smooth = false`).
     Flat,
-    /// One unit normal a position, used by every face around it.
+    /// One unit normal a position, used by every face around it; zero where N_g is to be used.
     PerPosition(Vec<DVec3>),
-    /// Unit normals with indices of their own a corner, as OBJ files have them.
+    /// Normals with indices of their own a corner, as OBJ files have them.
     PerCorner { normals: Vec<DVec3>, triangles: Vec<[u32; 3]> },
+}
+
+/// Scaled, then turned, then moved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Placement {
+    pub scale: f64,
+    pub rotation: DQuat,
+    pub translation: DVec3,
+}
+
+impl Default for Placement {
+    fn default() -> Self {
+        Self { scale: 1.0, rotation: DQuat::IDENTITY, translation: DVec3::ZERO }
+    }
+}
+
+impl Placement {
+    pub fn affine(&self) -> DAffine3 {
+        DAffine3::from_scale_rotation_translation(
+            DVec3::splat(self.scale),
+            self.rotation,
+            self.translation,
+        )
+    }
+}
+
+impl Mesh {
+    /// A mesh whose normals are the angle-weighted means of the adjoining faces'.
+    ///
+    /// Errors: no triangles, a position that is not finite, an index out of range, more than 2³²
+    /// positions; `what` names the mesh in the message.
+    pub fn smooth(what: &str, positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self> {
+        let mesh = Self::flat(what, positions, triangles)?;
+        let normals = mesh.vertex_normals();
+        Ok(Self { shading: Shading::PerPosition(normals), ..mesh })
+    }
+
+    /// A mesh whose shading normals are the geometric ones. Errors: as [`Mesh::smooth`].
+    pub fn flat(what: &str, positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Result<Self> {
+        if triangles.is_empty() {
+            return Err(Error::inconsistent(what, "no triangles"));
+        }
+        if let Some(at) = positions.iter().position(|p| !p.is_finite()) {
+            let value = positions[at];
+            return Err(Error::out_of_range(
+                what,
+                &format!("position {}", at + 1),
+                value,
+                "finite numbers",
+            ));
+        }
+        let count = positions.len();
+        for (at, triangle) in triangles.iter().enumerate() {
+            if let Some(&index) = triangle.iter().find(|&&i| i as usize >= count) {
+                return Err(Error::out_of_range(
+                    what,
+                    &format!("index of triangle {}", at + 1),
+                    u64::from(index) + 1,
+                    format!("1 to {count}"),
+                ));
+            }
+        }
+        Ok(Self { positions, triangles, shading: Shading::Flat })
+    }
+
+    /// The grid (i/nu, j/nv), 0 ≤ i ≤ nu, 0 ≤ j ≤ nv, row by row; cells with a corner that is
+    /// `None` are left out. The front is the side from which u runs right and v up.
+    pub fn from_grid(what: &str, nu: usize, nv: usize, points: &[Option<DVec3>]) -> Result<Self> {
+        debug_assert_eq!(points.len(), (nu + 1) * (nv + 1));
+        let mut index = vec![u32::MAX; points.len()];
+        let mut positions = Vec::new();
+        for (slot, point) in index.iter_mut().zip(points) {
+            if let Some(point) = point {
+                *slot = positions.len() as u32;
+                positions.push(*point);
+            }
+        }
+        let mut triangles = Vec::with_capacity(2 * nu * nv);
+        for j in 0..nv {
+            for i in 0..nu {
+                let at = |i: usize, j: usize| index[j * (nu + 1) + i];
+                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                if [a, b, c, d].iter().all(|&corner| corner != u32::MAX) {
+                    triangles.extend([[a, b, c], [a, c, d]]);
+                }
+            }
+        }
+        Self::smooth(what, positions, triangles)
+    }
+
+    pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
+        self.triangles[triangle].map(|i| self.positions[i as usize])
+    }
+
+    /// N_g, unit; zero for a degenerate triangle.
+    pub fn geometric_normal(&self, triangle: usize) -> DVec3 {
+        let [a, b, c] = self.corners(triangle);
+        unit_cross(b - a, c - a)
+    }
+
+    /// N of eq. 3 at (u, v), unit, on the side where the vertex normals are.
+    pub fn shading_normal(&self, triangle: usize, [u, v]: [f64; 2], n_geom: DVec3) -> DVec3 {
+        let [n0, n1, n2] = match &self.shading {
+            Shading::Flat => return n_geom,
+            Shading::PerPosition(normals) => self.triangles[triangle].map(|i| normals[i as usize]),
+            Shading::PerCorner { normals, triangles } => {
+                triangles[triangle].map(|i| normals[i as usize])
+            }
+        }
+        .map(|n| if n == DVec3::ZERO { n_geom } else { n });
+        let n = n0 * (1.0 - u - v) + n1 * u + n2 * v;
+        n.try_normalize().unwrap_or(n_geom)
+    }
+
+    /// Mean of the adjoining faces' unit normals, weighted by the angle at the vertex, over the
+    /// faces that share the position's index; zero where they cancel.
+    pub fn vertex_normals(&self) -> Vec<DVec3> {
+        let mut normals = vec![DVec3::ZERO; self.positions.len()];
+        for triangle in 0..self.triangles.len() {
+            let n_geom = self.geometric_normal(triangle);
+            let corners = self.corners(triangle);
+            for (k, &index) in self.triangles[triangle].iter().enumerate() {
+                let [here, next, last] = [0, 1, 2].map(|step| corners[(k + step) % 3]);
+                normals[index as usize] += n_geom * angle_between(next - here, last - here);
+            }
+        }
+        normals.iter().map(|n| n.try_normalize().unwrap_or(DVec3::ZERO)).collect()
+    }
+
+    /// Without interpolation, for Fig. 5.
+    pub fn into_flat(self) -> Self {
+        Self { shading: Shading::Flat, ..self }
+    }
+
+    pub fn transformed(&self, placement: &Placement) -> Self {
+        let world_from_local = placement.affine();
+        let turn = |normals: &[DVec3]| normals.iter().map(|&n| placement.rotation * n).collect();
+        Self {
+            positions: self
+                .positions
+                .iter()
+                .map(|&p| world_from_local.transform_point3(p))
+                .collect(),
+            triangles: self.triangles.clone(),
+            shading: match &self.shading {
+                Shading::Flat => Shading::Flat,
+                Shading::PerPosition(normals) => Shading::PerPosition(turn(normals)),
+                Shading::PerCorner { normals, triangles } => {
+                    Shading::PerCorner { normals: turn(normals), triangles: triangles.clone() }
+                }
+            },
+        }
+    }
+
+    /// Smallest and largest coordinates, mm.
+    pub fn bounds(&self) -> [DVec3; 2] {
+        self.positions.iter().fold(
+            [DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)],
+            |[low, high], &p| [low.min(p), high.max(p)],
+        )
+    }
+}
+
+/// Direction of a × b for vectors of any length, or zero: scaled first, so that products of
+/// lengths from 1e-150 mm on neither vanish nor overflow.
+fn unit_cross(a: DVec3, b: DVec3) -> DVec3 {
+    let (la, lb) = (a.abs().max_element(), b.abs().max_element());
+    if la == 0.0 || lb == 0.0 {
+        return DVec3::ZERO;
+    }
+    (a / la).cross(b / lb).try_normalize().unwrap_or(DVec3::ZERO)
+}
+
+/// Angle between two vectors, 0 to π, exact for slivers too: atan2 loses nothing near 0 and π.
+fn angle_between(a: DVec3, b: DVec3) -> f64 {
+    let (a, b) = (a.normalize_or_zero(), b.normalize_or_zero());
+    a.cross(b).length().atan2(a.dot(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn v(x: f64, y: f64, z: f64) -> DVec3 {
+        DVec3::new(x, y, z)
+    }
+
+    /// At a cube's corner the three faces weigh the same however they are cut into triangles.
+    #[test]
+    fn angle_weights_do_not_see_the_triangulation() {
+        let positions = vec![
+            v(0., 0., 0.),
+            v(1., 0., 0.),
+            v(1., 1., 0.),
+            v(0., 1., 0.),
+            v(0., 0., 1.),
+            v(1., 0., 1.),
+            v(0., 1., 1.),
+        ];
+        // The face z = 0 is cut through the corner, the other two are not.
+        let triangles = vec![[0, 2, 1], [0, 3, 2], [0, 1, 4], [1, 5, 4], [0, 4, 3], [4, 6, 3]];
+        let mesh = Mesh::smooth("cube", positions, triangles).unwrap();
+        let Shading::PerPosition(normals) = &mesh.shading else { panic!() };
+        assert!((normals[0] - DVec3::splat(-1.0 / 3f64.sqrt())).length() < 1e-15);
+    }
+
+    #[test]
+    fn degenerate_triangles_and_cancelling_normals_fall_back() {
+        let positions = vec![v(0., 0., 0.), v(1., 0., 0.), v(0., 1., 0.)];
+        let both_sides =
+            Mesh::smooth("m", positions, vec![[0, 1, 2], [0, 2, 1], [0, 0, 1]]).unwrap();
+        assert_eq!(both_sides.geometric_normal(2), DVec3::ZERO);
+        let n_geom = both_sides.geometric_normal(0);
+        assert_eq!(both_sides.shading_normal(0, [0.2, 0.3], n_geom), n_geom);
+    }
+
+    #[test]
+    fn normals_hold_from_tiny_to_huge() {
+        for scale in [1e-140, 1e-6, 1.0, 1e9, 1e140] {
+            let positions = [v(0., 0., 0.), v(scale, 0., 0.), v(0., scale, 0.)].to_vec();
+            let mesh = Mesh::smooth("m", positions, vec![[0, 1, 2]]).unwrap();
+            assert_eq!(mesh.shading_normal(0, [0.3, 0.3], mesh.geometric_normal(0)), DVec3::Z);
+        }
+    }
+
+    #[test]
+    fn bad_meshes_are_refused() {
+        let message = |r: Result<Mesh>| r.unwrap_err().to_string();
+        assert_eq!(message(Mesh::flat("mesh", vec![], vec![])), "mesh: no triangles");
+        assert_eq!(
+            message(Mesh::flat("mesh", vec![DVec3::X], vec![[0, 0, 1]])),
+            "mesh: index of triangle 1 is 2, allowed: 1 to 1"
+        );
+        assert_eq!(
+            message(Mesh::flat("mesh", vec![v(f64::NAN, 0., 0.)], vec![[0, 0, 0]])),
+            "mesh: position 1 is [NaN, 0, 0], allowed: finite numbers"
+        );
+    }
+
+    #[test]
+    fn grid_leaves_out_cells_with_a_missing_corner() {
+        let mut points: Vec<_> =
+            (0..9).map(|k| Some(v(f64::from(k % 3), f64::from(k / 3), 0.))).collect();
+        let whole = Mesh::from_grid("g", 2, 2, &points).unwrap();
+        assert_eq!(whole.triangles.len(), 8);
+        assert_eq!(whole.geometric_normal(0), DVec3::Z);
+        points[8] = None;
+        assert_eq!(Mesh::from_grid("g", 2, 2, &points).unwrap().triangles.len(), 6);
+    }
 }

@@ -1,6 +1,7 @@
 //! Rays, hits, meshes with their normals, OBJ import, the BVH.
 
 pub mod mesh;
+pub mod obj;
 
 pub use glam::DVec3;
 pub use mesh::Mesh;
