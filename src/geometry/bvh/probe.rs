@@ -60,9 +60,10 @@ impl Probe {
     /// Both sides of a triangle count; one seen exactly edge-on is never met.
     #[inline(always)]
     pub fn cross(&self, corners: [DVec3; 3]) -> Option<Crossing> {
-        let [a, b, c] = corners.map(|corner| self.to_sheared(corner));
+        let [a, b, c] = corners;
+        let (a, b, c) = (self.to_sheared(a), self.to_sheared(b), self.to_sheared(c));
         let (wa, wb, wc) = (edge(c, b), edge(a, c), edge(b, a));
-        if (wa < 0.0 || wb < 0.0 || wc < 0.0) && (wa > 0.0 || wb > 0.0 || wc > 0.0) {
+        if (wa < 0.0) | (wb < 0.0) | (wc < 0.0) && (wa > 0.0) | (wb > 0.0) | (wc > 0.0) {
             return None;
         }
         let area = wa + wb + wc;

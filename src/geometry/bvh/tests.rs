@@ -1,3 +1,4 @@
+use super::super::{Hit, Ray};
 use super::*;
 use crate::geometry::mesh::Shading;
 
