@@ -5,20 +5,23 @@
 
 use std::sync::Arc;
 
-use super::splitmix::SplitMix64;
+use super::sequence::random;
 use super::{RaySample, RaySet};
+
+/// Keeps the split apart from other draws with the same seed, such as those that made the set.
+const DIMENSION: u64 = u64::from_be_bytes(*b"  halves");
 
 impl RaySet {
     /// Two halves drawn at random, each with the flux of all; with an odd number of rays the first
     /// has one less. The same seed gives the same halves.
     pub fn halves(&self, seed: u64) -> [Self; 2] {
         let n = self.samples.len();
-        let mut random = SplitMix64::new(seed);
         // Selection sampling (Knuth, TAOCP 2, 3.4.2 S): every half is equally likely.
         let mut wanted = n / 2;
         let in_first: Vec<bool> = (0..n)
             .map(|index| {
-                let chosen = random.next_f64() * ((n - index) as f64) < wanted as f64;
+                let chosen =
+                    random(seed, index as u64, DIMENSION) * ((n - index) as f64) < wanted as f64;
                 wanted -= usize::from(chosen);
                 chosen
             })
@@ -75,10 +78,9 @@ mod tests {
     /// √((1 − p)/(p N)).
     #[test]
     fn error_of_a_binomial_share() {
-        let (n, p) = (10_000, 0.1);
-        let mut random = SplitMix64::new(8);
-        let samples = (0..n).map(|_| RaySample {
-            position: [random.next_f64() as f32, 0.0, 0.0],
+        let (n, p) = (10_000_u64, 0.1);
+        let samples = (0..n).map(|i| RaySample {
+            position: [random(8, i, 0) as f32, 0.0, 0.0],
             direction: [0.0, 0.0, 1.0],
             flux: 1.0,
         });
@@ -89,7 +91,7 @@ mod tests {
         };
         let pairs = (0..200).map(|seed| all.halves(seed).map(|half| share(&half)));
         let found = relative_error(pairs).unwrap();
-        let expected = ((1.0 - p) / (p * f64::from(n))).sqrt();
+        let expected = ((1.0 - p) / (p * n as f64)).sqrt();
         // 200 splits give a standard deviation of 1/√400 = 5 %; four of them.
         assert!((found / expected - 1.0).abs() < 0.2, "{found} {expected}");
     }

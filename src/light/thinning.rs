@@ -11,11 +11,14 @@
 
 use std::sync::Arc;
 
-use super::splitmix::SplitMix64;
+use super::sequence::random;
 use super::{RaySample, RaySet};
 
 /// The seed where a script gives none.
 pub const DEFAULT_SEED: u64 = 1;
+
+/// Keeps the duels apart from other draws with the same seed, such as those that made the set.
+const DIMENSION: u64 = u64::from_be_bytes(*b"thinning");
 
 impl RaySet {
     /// At most `count` rays (at least 1) with the flux of all, in the order of the file.
@@ -81,7 +84,6 @@ impl Draw {
     }
 
     fn draw(&self, samples: &[RaySample], seed: u64) -> Vec<bool> {
-        let mut random = SplitMix64::new(seed);
         let mut kept = vec![false; samples.len()];
         // The ray that still duels, with its probability.
         let mut champion: Option<(usize, f64)> = None;
@@ -97,10 +99,10 @@ impl Draw {
             };
             let sum = p + q;
             if sum < 1.0 {
-                let rival_wins = random.next_f64() * sum < q;
+                let rival_wins = random(seed, index as u64, DIMENSION) * sum < q;
                 champion = Some((if rival_wins { rival } else { index }, sum));
             } else {
-                let rival_is_kept = random.next_f64() * (2.0 - sum) < 1.0 - p;
+                let rival_is_kept = random(seed, index as u64, DIMENSION) * (2.0 - sum) < 1.0 - p;
                 let (winner, next) = if rival_is_kept { (rival, index) } else { (index, rival) };
                 kept[winner] = true;
                 champion = Some((next, sum - 1.0));
@@ -119,14 +121,14 @@ mod tests {
     use super::*;
 
     fn set(flux: impl Iterator<Item = f32>) -> RaySet {
-        let mut random = SplitMix64::new(9);
-        let samples: Arc<[RaySample]> = flux
-            .map(|flux| {
+        let samples: Arc<[RaySample]> = (0..)
+            .zip(flux)
+            .map(|(i, flux)| {
                 // Lambert about +Z, starts on a 4 mm square.
-                let (u, v) = (random.next_f64(), random.next_f64());
+                let (u, v) = (random(9, i, 0), random(9, i, 1));
                 let (s, phi) = (u.sqrt(), std::f64::consts::TAU * v);
                 let direction = [s * phi.cos(), s * phi.sin(), (1.0 - u).sqrt()];
-                let position = [4.0 * random.next_f64() - 2.0, 4.0 * random.next_f64() - 2.0, 0.0];
+                let position = [4.0 * random(9, i, 2) - 2.0, 4.0 * random(9, i, 3) - 2.0, 0.0];
                 RaySample {
                     position: position.map(|x| x as f32),
                     direction: direction.map(|x| x as f32),
@@ -142,9 +144,8 @@ mod tests {
         samples.iter().map(|s| f64::from(s.flux)).sum()
     }
 
-    fn heavy_tail(n: usize) -> RaySet {
-        let mut random = SplitMix64::new(3);
-        set((0..n).map(|_| (1.0 / (random.next_f64() + 1e-3)) as f32))
+    fn heavy_tail(n: u64) -> RaySet {
+        set((0..n).map(|i| (1.0 / (random(3, i, 0) + 1e-3)) as f32))
     }
 
     #[test]
