@@ -1,11 +1,13 @@
 //! Tiles, threads, samples a pixel; no physics.
 
+use std::fmt;
 use std::time::Instant;
 
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::image::SpectralImage;
+use crate::image::{Metadata, SpectralImage};
+use crate::light::Photometry;
 use crate::scene::Prepared;
 use crate::shading::{Bands, SpectralTables, TraceCounts, TraceLimits, TraceState, Tracer};
 use crate::spectrum::WavelengthGrid;
@@ -40,6 +42,24 @@ pub enum Samples {
         max: u32,
         error: f64,
     },
+}
+
+impl fmt::Display for Quality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.samples {
+            Samples::Fixed(count) => write!(f, "samples {count}")?,
+            Samples::Adaptive { min, max, error } => {
+                write!(f, "samples {min} to {max} for error {error}")?;
+            }
+        }
+        let TraceLimits { max_depth, min_throughput, light_error } = self.limits;
+        let step_nm = self.grid.step_nm();
+        write!(
+            f,
+            ", max_depth {max_depth}, min_throughput {min_throughput}, light_error {light_error}, \
+             wavelength_step {step_nm}"
+        )
+    }
 }
 
 /// Told of progress, and asked whether to go on; called from many threads.
@@ -115,7 +135,7 @@ pub fn render(
         light_error: if mean > 0.0 { light_error / mean } else { 0.0 },
         largest_light_error: film.pixels.iter().map(relative).fold(0.0, f64::max),
     };
-    Ok((film.into_image(view, quality), stats))
+    Ok((film.into_image(view, quality, prepared.scene.photometry), stats))
 }
 
 /// Luminance statistics of a pixel's samples (Welford's recurrence).
@@ -176,7 +196,7 @@ impl Film {
         self.mean(|pixel| pixel.mean)
     }
 
-    fn into_image(self, view: &View, quality: &Quality) -> SpectralImage {
+    fn into_image(self, view: &View, quality: &Quality, photometry: Photometry) -> SpectralImage {
         let (error, samples) = match quality.samples {
             Samples::Fixed(_) => (None, None),
             Samples::Adaptive { .. } => {
@@ -194,8 +214,10 @@ impl Film {
             height: view.height,
             grid: quality.grid,
             bands: self.spectra,
+            photometry,
             error,
             samples,
+            metadata: metadata(view, quality),
         }
     }
 }
@@ -279,4 +301,15 @@ impl Renderer<'_> {
 fn sample_place(i: u32) -> [f64; 2] {
     const PLASTIC: f64 = 1.324_717_957_244_746;
     [1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC)].map(|step| (0.5 + f64::from(i) * step).fract())
+}
+
+/// View, quality and program version, for the image's file.
+fn metadata(view: &View, quality: &Quality) -> Metadata {
+    [
+        ("view", view.to_string()),
+        ("quality", quality.to_string()),
+        ("version", format!("lampyris {}", env!("CARGO_PKG_VERSION"))),
+    ]
+    .map(|(key, value)| (key.to_owned(), value))
+    .into()
 }

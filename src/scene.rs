@@ -70,18 +70,21 @@ pub struct BuildSeconds {
 }
 
 impl Scene {
-    /// Builds BVH and light trees.
-    ///
     /// Errors: a material's spectrum outside of 0 to 1; a light whose spectrum has negative values
-    /// or no luminous flux while the set has some.
-    pub fn prepare(self) -> Result<Prepared> {
+    /// or no luminous flux.
+    pub fn check(&self) -> Result<()> {
         self.materials.iter().try_for_each(Material::check)?;
         for light in &self.lights {
             check_not_negative("light: spectrum", &light.spectrum)?;
             light.power_per_lumen(WavelengthGrid::Step5)?;
         }
         check_not_negative("scene: background", &self.background)?;
-        check_not_negative("scene: ambient", &self.ambient)?;
+        check_not_negative("scene: ambient", &self.ambient)
+    }
+
+    /// Builds BVH and light trees. Errors: as [`Scene::check`].
+    pub fn prepare(self) -> Result<Prepared> {
+        self.check()?;
         let start = Instant::now();
         let meshes: Vec<Arc<Mesh>> = self.objects.iter().map(|o| Arc::clone(&o.mesh)).collect();
         let bvh = Bvh::build(&meshes);

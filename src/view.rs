@@ -1,5 +1,7 @@
 //! From a pixel to a ray.
 
+use std::fmt;
+
 use crate::geometry::{DVec3, Ray};
 
 /// A pinhole camera that turns about its target.
@@ -47,6 +49,17 @@ impl View {
 
     pub fn pixels(&self) -> usize {
         self.width * self.height
+    }
+}
+
+impl fmt::Display for View {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { azimuth_deg, elevation_deg, distance_mm, target, fov_deg, width, height } = self;
+        write!(
+            f,
+            "azimuth {azimuth_deg}°, elevation {elevation_deg}°, {distance_mm} mm from {target}, \
+             fov {fov_deg}°, {width} × {height}"
+        )
     }
 }
 

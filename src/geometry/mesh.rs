@@ -113,6 +113,37 @@ impl Mesh {
         Self::smooth(what, positions, triangles)
     }
 
+    /// All parts in one, each with its own positions and normals.
+    ///
+    /// Errors: no parts.
+    pub fn merged(what: &str, parts: &[&Self]) -> Result<Self> {
+        let (mut positions, mut triangles) = (Vec::new(), Vec::new());
+        let (mut normals, mut normal_triangles) = (Vec::new(), Vec::new());
+        for part in parts {
+            let shift = |by: usize| move |corners: &[u32; 3]| corners.map(|i| i + by as u32);
+            triangles.extend(part.triangles.iter().map(shift(positions.len())));
+            positions.extend(&part.positions);
+            let first = normals.len();
+            match &part.shading {
+                // Zero stands for N_g.
+                Shading::Flat => {
+                    normals.push(DVec3::ZERO);
+                    normal_triangles.extend(vec![[first as u32; 3]; part.triangles.len()]);
+                }
+                Shading::PerPosition(own) => {
+                    normals.extend(own);
+                    normal_triangles.extend(part.triangles.iter().map(shift(first)));
+                }
+                Shading::PerCorner { normals: own, triangles } => {
+                    normals.extend(own);
+                    normal_triangles.extend(triangles.iter().map(shift(first)));
+                }
+            }
+        }
+        let mesh = Self::flat(what, positions, triangles)?;
+        Ok(Self { shading: Shading::PerCorner { normals, triangles: normal_triangles }, ..mesh })
+    }
+
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|i| self.positions[i as usize])
     }

@@ -1,6 +1,5 @@
 //! From an error anywhere to one message with the script's line.
 
-use std::fmt;
 use std::path::Path;
 
 use mlua::{Function, IntoLuaMulti, Lua, MultiValue, Table, Value};
@@ -17,31 +16,22 @@ pub struct ScriptFault {
     pub interrupted: bool,
 }
 
-impl ScriptFault {
-    pub(super) fn internal(error: mlua::Error) -> Self {
-        Self { message: error.to_string(), interrupted: false }
+impl From<mlua::Error> for ScriptFault {
+    fn from(error: mlua::Error) -> Self {
+        Self { message: message(&error), interrupted: false }
     }
+}
 
+impl ScriptFault {
     pub(super) fn unreadable(script: &Path, error: std::io::Error) -> Self {
         Self { message: Error::io(script, error).to_string(), interrupted: false }
     }
 }
 
-/// An error with the line of the script that caused it.
+/// An error's message with the line of the script that caused it.
 #[derive(Debug, thiserror::Error)]
-struct Located {
-    place: Option<String>,
-    error: Error,
-}
-
-impl fmt::Display for Located {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.place {
-            Some(place) => write!(f, "{place}: {}", self.error),
-            None => write!(f, "{}", self.error),
-        }
-    }
-}
+#[error("{0}")]
+struct Located(String);
 
 impl From<Error> for mlua::Error {
     fn from(error: Error) -> Self {
@@ -51,18 +41,17 @@ impl From<Error> for mlua::Error {
 
 /// Adds the innermost line of the script, while its stack still stands.
 fn located(lua: &Lua, error: mlua::Error) -> mlua::Error {
-    match error {
-        mlua::Error::ExternalError(cause) if cause.is::<Error>() => {
-            match std::sync::Arc::try_unwrap(cause).map(|cause| cause.downcast::<Error>()) {
-                Ok(Ok(error)) => {
-                    mlua::Error::external(Located { place: script_line(lua), error: *error })
-                }
-                Ok(Err(other)) => mlua::Error::ExternalError(other.into()),
-                Err(shared) => mlua::Error::ExternalError(shared),
-            }
-        }
-        other => other,
-    }
+    let mlua::Error::ExternalError(cause) = &error else {
+        return error;
+    };
+    let Some(cause) = cause.downcast_ref::<Error>() else {
+        return error;
+    };
+    let message = match script_line(lua) {
+        Some(place) => format!("{place}: {cause}"),
+        None => cause.to_string(),
+    };
+    mlua::Error::external(Located(message))
 }
 
 /// `file:line` of the first frame that has one.
@@ -171,9 +160,8 @@ pub(super) fn unknown_key(object: &str, key: &str, known: &[&str]) -> Error {
 pub(super) fn nearest(name: &str, known: &[&str]) -> Hint {
     /// Below this, names have so little in common that a hint would mislead.
     const ALIKE: f64 = 0.7;
-    let score = |candidate: &str| {
-        strsim::jaro_winkler(&name.to_lowercase(), &candidate.to_lowercase())
-    };
+    let score =
+        |candidate: &str| strsim::jaro_winkler(&name.to_lowercase(), &candidate.to_lowercase());
     let best = known.iter().map(|&k| (score(k), k)).max_by(|a, b| a.0.total_cmp(&b.0));
     Hint(best.filter(|(score, _)| *score >= ALIKE).map(|(_, name)| name.to_owned()))
 }

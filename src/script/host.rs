@@ -7,14 +7,14 @@ use std::sync::{Arc, Mutex};
 use mlua::Lua;
 
 use crate::error::{Error, Result};
+use crate::progress::{Progress, Verbosity};
 
 /// What the command line says.
 #[derive(Debug, Clone)]
 pub struct Settings {
     /// Everything written goes under this folder.
     pub out: PathBuf,
-    /// No progress on standard error.
-    pub quiet: bool,
+    pub verbosity: Verbosity,
     /// The script's own arguments.
     pub arguments: Vec<String>,
     /// Set by Ctrl-C.
@@ -38,6 +38,10 @@ impl Host {
         self.settings.interrupted.load(Ordering::Relaxed)
     }
 
+    pub fn progress(&self, pixels: usize) -> Progress {
+        Progress::new(self.settings.verbosity, Arc::clone(&self.settings.interrupted), pixels)
+    }
+
     pub fn script_folder(&self) -> &Path {
         self.script.parent().unwrap_or(Path::new(""))
     }
@@ -58,7 +62,8 @@ impl Host {
             Error::out_of_range("output", "path", format!("\"{path}\""), format!("below {out}/"))
         };
         let relative = Path::new(path);
-        let stays = relative.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+        let stays =
+            relative.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
         if !stays || relative.file_name().is_none() {
             return Err(refused());
         }

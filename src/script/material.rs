@@ -32,13 +32,16 @@ const KEYS: [&str; 12] = [
 const EXPONENT: Range = Range::new(EXPONENT_RANGE[0], EXPONENT_RANGE[1], "");
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    module.set("material", fault::function(lua, |_, a| material(Arguments::new("material", a, 1)?))?)
+    module
+        .set("material", fault::function(lua, |_, a| material(Arguments::new("material", a, 1)?))?)
 }
 
 fn material(mut arguments: Arguments) -> mlua::Result<LuaMaterial> {
     let options = arguments.options(&KEYS)?;
     let material = Material {
-        name: options.text("name")?.map_or_else(|| "material".to_owned(), |n| format!("material \"{n}\"")),
+        name: options
+            .text("name")?
+            .map_or_else(|| "material".to_owned(), |n| format!("material \"{n}\"")),
         reflectance: options.spectrum("reflectance")?.unwrap_or_else(|| Spectrum::constant(0.0)),
         transmittance: options.spectrum("transmittance")?,
         thickness_mm: options.number("thickness", Range::above_zero("mm"))?,

@@ -23,9 +23,16 @@ const MAX_CELLS: u64 = 100_000;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     let table = lua.create_table()?;
-    table.set("load", fault::function(lua, |lua, a| load(lua, Arguments::new("mesh.load", a, 2)?))?)?;
-    table.set("new", fault::function(lua, |_, a| from_tables(Arguments::new("mesh.new", a, 1)?))?)?;
-    table.set("surface", fault::function(lua, |_, a| surface(Arguments::new("mesh.surface", a, 1)?))?)?;
+    table.set(
+        "load",
+        fault::function(lua, |lua, a| load(lua, Arguments::new("mesh.load", a, 2)?))?,
+    )?;
+    table
+        .set("new", fault::function(lua, |_, a| from_tables(Arguments::new("mesh.new", a, 1)?))?)?;
+    table.set(
+        "surface",
+        fault::function(lua, |_, a| surface(Arguments::new("mesh.surface", a, 1)?))?,
+    )?;
     table.set("merge", fault::function(lua, |_, a| merge(Arguments::new("mesh.merge", a, 1)?))?)?;
     fault::refuse_unknown_names(lua, &table, "lampyris.mesh")?;
     module.set("mesh", table)
@@ -42,19 +49,21 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let smooth = options.flag("smooth", true)?;
     let path = host::of(lua)?.input(&path);
     let mesh = obj::load(&path, options.text("group")?.as_deref())?;
-    let placed =
-        if scale == 1.0 { mesh } else { mesh.transformed(&Placement { scale, ..Default::default() }) };
+    let placed = if scale == 1.0 {
+        mesh
+    } else {
+        mesh.transformed(&Placement { scale, ..Default::default() })
+    };
     Ok(new_handle(placed, smooth))
 }
 
 fn from_tables(mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let options = arguments.options(&["normals", "positions", "smooth", "triangles"])?;
-    let positions = vectors(&options, "positions")?
-        .ok_or_else(|| Error::MissingKey {
-            object: options.object().to_owned(),
-            key: "positions".to_owned(),
-            expected: "expected a list of {x, y, z}".to_owned(),
-        })?;
+    let positions = vectors(&options, "positions")?.ok_or_else(|| Error::MissingKey {
+        object: options.object().to_owned(),
+        key: "positions".to_owned(),
+        expected: "expected a list of {x, y, z}".to_owned(),
+    })?;
     let triangles = triangles(&options, positions.len())?;
     let smooth = options.flag("smooth", true)?;
     let mesh = Mesh::smooth(options.object(), positions, triangles)?;
@@ -103,7 +112,8 @@ fn triangles(options: &Options, positions: usize) -> mlua::Result<Vec<[u32; 3]>>
 
 fn surface(mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let options = arguments.options(&["keep", "nu", "nv", "point", "smooth"])?;
-    let cells = |key, default| options.count(key, 1, MAX_CELLS).map(|n| n.unwrap_or(default) as usize);
+    let cells =
+        |key, default| options.count(key, 1, MAX_CELLS).map(|n| n.unwrap_or(default) as usize);
     let (nu, nv) = (cells("nu", 100)?, cells("nv", 100)?);
     let point = options.required_function("point", "a function of u, v that returns x, y, z")?;
     let keep = options.function("keep")?;

@@ -30,7 +30,7 @@ pub fn run(script: &Path, settings: Settings) -> Result<(), ScriptFault> {
     let source = std::fs::read(script).map_err(|e| ScriptFault::unreadable(script, e))?;
     let lua = state(script, settings)?;
     let chunk_name = format!("@{}", script.display());
-    let done = lua.load(source).set_name(chunk_name).set_mode(mlua::ChunkMode::Text).exec();
+    let done = lua.load(source).set_name(chunk_name).set_mode(mlua::chunk::ChunkMode::Text).exec();
     let host = host::of(&lua)?;
     host.print_warnings();
     done.map_err(|error| fault::from_lua(error, &host))
@@ -38,15 +38,12 @@ pub fn run(script: &Path, settings: Settings) -> Result<(), ScriptFault> {
 
 /// A sandboxed state with the module `lampyris` ready to be required.
 fn state(script: &Path, settings: Settings) -> Result<Lua, ScriptFault> {
-    let lua = sandbox::new_state().map_err(ScriptFault::internal)?;
+    let lua = sandbox::new_state()?;
     let host = Host::new(script, settings);
-    let prepare = || -> mlua::Result<()> {
-        sandbox::limit(&lua, &host)?;
-        lua.set_app_data(host);
-        let module = module(&lua)?;
-        sandbox::install_require(&lua, module)
-    };
-    prepare().map_err(ScriptFault::internal)?;
+    sandbox::limit(&lua, &host)?;
+    lua.set_app_data(host);
+    let module = module(&lua)?;
+    sandbox::install_require(&lua, module)?;
     Ok(lua)
 }
 

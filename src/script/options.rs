@@ -78,7 +78,9 @@ impl Options {
         let table = match value {
             Value::Nil => None,
             Value::Table(table) => Some(table),
-            other => return Err(wrong_type(object, "argument", &other, "a table of options").into()),
+            other => {
+                return Err(wrong_type(object, "argument", &other, "a table of options").into());
+            }
         };
         for pair in table.iter().flat_map(|t| t.pairs::<Value, Value>()) {
             let (key, _) = pair?;
@@ -218,9 +220,7 @@ impl Options {
         match self.value(key)? {
             Value::Nil => Ok(None),
             Value::Function(function) => Ok(Some(function)),
-            other => {
-                Err(wrong_type(&self.object, &Self::quoted(key), &other, "a function").into())
-            }
+            other => Err(wrong_type(&self.object, &Self::quoted(key), &other, "a function").into()),
         }
     }
 

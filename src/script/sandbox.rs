@@ -1,6 +1,7 @@
 //! A Lua state that cannot reach the system.
 
-use mlua::{ChunkMode, HookTriggers, Lua, LuaOptions, MultiValue, StdLib, Table, Value, VmState};
+use mlua::chunk::ChunkMode;
+use mlua::{HookTriggers, Lua, LuaOptions, LuaString, MultiValue, StdLib, Table, Value, VmState};
 
 use super::fault;
 use super::host::{self, Host};
@@ -76,7 +77,7 @@ fn chunk_text(chunk: Value) -> mlua::Result<Vec<u8>> {
         Value::String(text) => Ok(text.as_bytes().to_vec()),
         Value::Function(reader) => {
             let mut text = Vec::new();
-            while let Some(piece) = reader.call::<Option<mlua::String>>(())? {
+            while let Some(piece) = reader.call::<Option<LuaString>>(())? {
                 if piece.as_bytes().is_empty() {
                     break;
                 }

@@ -17,8 +17,14 @@ const NAMES: [&str; 5] = ["at", "values", "xyz", "xy", "luminous_flux"];
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     let table = lua.create_table()?;
-    table.set("load", fault::function(lua, |lua, a| load(lua, Arguments::new("spectrum.load", a, 2)?))?)?;
-    table.set("new", fault::function(lua, |_, a| from_pairs(Arguments::new("spectrum.new", a, 1)?))?)?;
+    table.set(
+        "load",
+        fault::function(lua, |lua, a| load(lua, Arguments::new("spectrum.load", a, 2)?))?,
+    )?;
+    table.set(
+        "new",
+        fault::function(lua, |_, a| from_pairs(Arguments::new("spectrum.new", a, 1)?))?,
+    )?;
     table.set(
         "constant",
         fault::function(lua, |_, a| {
@@ -78,7 +84,11 @@ fn from_pairs(mut arguments: Arguments) -> mlua::Result<LuaSpectrum> {
 }
 
 /// 5, 10 or 20 nm.
-pub(super) fn grid_from_step(object: &str, what: &str, value: &Value) -> mlua::Result<WavelengthGrid> {
+pub(super) fn grid_from_step(
+    object: &str,
+    what: &str,
+    value: &Value,
+) -> mlua::Result<WavelengthGrid> {
     let step = options::number(object, what, value, Range::ANY)?;
     let grids = [WavelengthGrid::Step5, WavelengthGrid::Step10, WavelengthGrid::Step20];
     let grid = grids.into_iter().find(|grid| grid.step_nm() == step);

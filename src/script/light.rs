@@ -1,0 +1,222 @@
+//! `lampyris.rayset`, and the light sources made from geometry.
+
+use std::sync::Arc;
+
+use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
+
+use super::mesh::placement;
+use super::options::{self, Arguments, Options, Range};
+use super::spectrum::LuaSpectrum;
+use super::{fault, host};
+use crate::error::Error;
+use crate::geometry::DVec3;
+use crate::light::rayfile::{self, LightOptions};
+use crate::light::{Coil, Cylinder, Filament, RaySample, RaySet};
+use crate::spectrum::Spectrum;
+
+/// Handle of a light source: its samples and its spectrum.
+#[derive(Debug, Clone)]
+pub struct LuaLight {
+    pub rays: RaySet,
+    pub spectrum: Arc<Spectrum>,
+}
+
+const NAMES: [&str; 4] = ["count", "flux", "spectrum", "transform"];
+
+const FLUX: Range = Range::above_zero("lm");
+const MAX_SAMPLES: u64 = 100_000_000;
+
+pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
+    let table = lua.create_table()?;
+    table.set(
+        "load",
+        fault::function(lua, |lua, a| load(lua, Arguments::new("rayset.load", a, 2)?))?,
+    )?;
+    table.set(
+        "new",
+        fault::function(lua, |_, a| from_tables(Arguments::new("rayset.new", a, 1)?))?,
+    )?;
+    fault::refuse_unknown_names(lua, &table, "lampyris.rayset")?;
+    module.set("rayset", table)?;
+    module.set(
+        "cylinder",
+        fault::function(lua, |_, a| cylinder(Arguments::new("cylinder", a, 1)?))?,
+    )?;
+    module
+        .set("filament", fault::function(lua, |_, a| filament(Arguments::new("filament", a, 1)?))?)
+}
+
+fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
+    let path = arguments.text("path")?;
+    let options = arguments.options(&["flux", "spectrum", "transform"])?;
+    let host = host::of(lua)?;
+    let file = rayfile::read(&host.input(&path))?;
+    for warning in &file.warnings {
+        host.warn(format!("{path}: {warning}"));
+    }
+    let given = LightOptions {
+        spectrum: options.spectrum("spectrum")?,
+        flux_lm: options.number("flux", FLUX)?,
+    };
+    let (rays, spectrum) = file.into_light(given)?;
+    placed(LuaLight { rays, spectrum: Arc::new(spectrum) }, options.value("transform")?)
+}
+
+fn placed(light: LuaLight, transform: Value) -> mlua::Result<LuaLight> {
+    let placement = placement("rayset: transform", transform)?;
+    let world_from_local = placement.affine() * light.rays.world_from_local;
+    Ok(LuaLight { rays: RaySet { world_from_local, ..light.rays }, ..light })
+}
+
+fn from_tables(mut arguments: Arguments) -> mlua::Result<LuaLight> {
+    const EXPECTED: &str = "a list of {x, y, z}";
+    let options = arguments.options(&["directions", "flux", "positions", "spectrum"])?;
+    let object = options.object();
+    let positions = options.required_list("positions", EXPECTED)?;
+    let directions = options.required_list("directions", EXPECTED)?;
+    if positions.len() != directions.len() || positions.is_empty() {
+        let problem = format!(
+            "{} positions and {} directions, expected as many of each, and one or more",
+            positions.len(),
+            directions.len()
+        );
+        return Err(Error::inconsistent(object, problem).into());
+    }
+    let fluxes = fluxes(&options, positions.len())?;
+    let mut samples = Vec::with_capacity(positions.len());
+    for (at, (position, direction)) in positions.iter().zip(&directions).enumerate() {
+        let place = format!("entry {}", at + 1);
+        let position = options::vector(object, &format!("\"positions\" {place}"), position)?;
+        let what = format!("\"directions\" {place}");
+        let direction = options::vector(object, &what, direction)?;
+        let Some(unit) = direction.try_normalize() else {
+            return Err(Error::out_of_range(object, &what, direction, "any direction").into());
+        };
+        samples.push(RaySample {
+            position: position.as_vec3().to_array(),
+            direction: unit.as_vec3().to_array(),
+            flux: fluxes.relative[at] as f32,
+        });
+    }
+    let spectrum = required_spectrum(&options)?;
+    let rays = RaySet::new(samples.into(), fluxes.total_lm);
+    Ok(LuaLight { rays, spectrum: Arc::new(spectrum) })
+}
+
+struct Fluxes {
+    /// Relative to the largest, so that f32 holds them whatever their unit.
+    relative: Vec<f64>,
+    total_lm: f64,
+}
+
+/// `flux` as the total of even samples, or one number a sample.
+fn fluxes(options: &Options, count: usize) -> mlua::Result<Fluxes> {
+    if !matches!(options.value("flux")?, Value::Table(_)) {
+        let total_lm = options.required_number("flux", FLUX)?;
+        return Ok(Fluxes { relative: vec![1.0; count], total_lm });
+    }
+    let list = options.required_list("flux", "a number of lm, or a list of them")?;
+    if list.len() != count {
+        let problem = format!("{} fluxes for {count} positions, expected one each", list.len());
+        return Err(Error::inconsistent(options.object(), problem).into());
+    }
+    let entry = |(at, value): (usize, &Value)| {
+        let what = format!("\"flux\" entry {}", at + 1);
+        options::number(options.object(), &what, value, Range::NOT_NEGATIVE)
+    };
+    let fluxes: Vec<f64> = list.iter().enumerate().map(entry).collect::<mlua::Result<_>>()?;
+    let largest = fluxes.iter().copied().fold(0.0, f64::max);
+    if largest == 0.0 {
+        return Err(Error::inconsistent(options.object(), "\"flux\" is 0 throughout").into());
+    }
+    let relative = fluxes.iter().map(|flux| flux / largest).collect();
+    Ok(Fluxes { relative, total_lm: fluxes.iter().sum() })
+}
+
+fn required_spectrum(options: &Options) -> mlua::Result<Spectrum> {
+    options.spectrum("spectrum")?.ok_or_else(|| {
+        Error::MissingKey {
+            object: options.object().to_owned(),
+            key: "spectrum".to_owned(),
+            expected: "expected a spectrum, such as lampyris.spectrum.blackbody(2856)".to_owned(),
+        }
+        .into()
+    })
+}
+
+fn samples(options: &Options, default: u64) -> mlua::Result<usize> {
+    Ok(options.count("samples", 1, MAX_SAMPLES)?.unwrap_or(default) as usize)
+}
+
+fn seed(options: &Options) -> mlua::Result<u64> {
+    Ok(options.count("seed", 0, 1 << 53)?.unwrap_or(1))
+}
+
+fn cylinder(mut arguments: Arguments) -> mlua::Result<LuaLight> {
+    let keys = ["axis", "center", "flux", "length", "radius", "samples", "seed", "spectrum"];
+    let options = arguments.options(&keys)?;
+    let cylinder = Cylinder {
+        center: options.vector("center")?.unwrap_or(DVec3::ZERO),
+        axis: options.vector("axis")?.unwrap_or(DVec3::X),
+        radius_mm: options.required_number("radius", Range::above_zero("mm"))?,
+        length_mm: options.required_number("length", Range::above_zero("mm"))?,
+        flux_lm: options.required_number("flux", FLUX)?,
+        samples: samples(&options, 10_000)?,
+        seed: seed(&options)?,
+    };
+    let spectrum = Arc::new(required_spectrum(&options)?);
+    Ok(LuaLight { rays: cylinder.rayset()?, spectrum })
+}
+
+fn filament(mut arguments: Arguments) -> mlua::Result<LuaLight> {
+    let keys = [
+        "axis",
+        "center",
+        "coil_radius",
+        "flux",
+        "pitch",
+        "samples",
+        "seed",
+        "spectrum",
+        "turns",
+        "wire_radius",
+    ];
+    let options = arguments.options(&keys)?;
+    let mm = Range::above_zero("mm");
+    let filament = Filament {
+        coil: Coil {
+            wire_radius_mm: options.required_number("wire_radius", mm)?,
+            turns: options.required_number("turns", Range::above_zero(""))?,
+            pitch_mm: options.required_number("pitch", mm)?,
+            coil_radius_mm: options.required_number("coil_radius", mm)?,
+        },
+        center: options.vector("center")?.unwrap_or(DVec3::ZERO),
+        axis: options.vector("axis")?.unwrap_or(DVec3::X),
+        flux_lm: options.required_number("flux", FLUX)?,
+        samples: samples(&options, 100_000)?,
+        seed: seed(&options)?,
+    };
+    let spectrum = Arc::new(required_spectrum(&options)?);
+    Ok(LuaLight { rays: filament.rayset()?, spectrum })
+}
+
+impl UserData for LuaLight {
+    fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
+        fields.add_field_method_get("count", |_, this| Ok(this.rays.samples.len()));
+        fields.add_field_method_get("flux", |_, this| Ok(this.rays.flux_lm));
+        fields.add_field_method_get("spectrum", |_, this| {
+            Ok(LuaSpectrum(Arc::clone(&this.spectrum)))
+        });
+    }
+
+    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
+        fault::method(methods, "transform", |_, this: &Self, a| {
+            placed(this.clone(), Arguments::new("rayset:transform", a, 1)?.value())
+        });
+        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
+            let (count, flux_lm) = (this.rays.samples.len(), this.rays.flux_lm);
+            Ok(format!("rayset: {count} samples, {flux_lm} lm"))
+        });
+        fault::refuse_unknown_fields(methods, "rayset", &NAMES);
+    }
+}

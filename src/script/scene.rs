@@ -1,0 +1,170 @@
+//! `lampyris.scene` and `scene:render`.
+
+use std::sync::{Arc, OnceLock};
+
+use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
+
+use super::image::LuaImage;
+use super::light::LuaLight;
+use super::material::LuaMaterial;
+use super::mesh::LuaMesh;
+use super::options::{self, Arguments, Options, Range};
+use super::spectrum::grid_from_step;
+use super::view::LuaView;
+use super::{fault, host};
+use crate::light::Photometry;
+use crate::material::Material;
+use crate::render::{self, Quality, Samples};
+use crate::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
+use crate::spectrum::Spectrum;
+
+/// Handle of a scene; prepared at its first render and then kept.
+#[derive(Debug, Clone)]
+pub struct LuaScene {
+    scene: Arc<Scene>,
+    prepared: Arc<OnceLock<Arc<Prepared>>>,
+}
+
+const KEYS: [&str; 6] = ["ambient", "background", "lights", "objects", "photometry", "shadows"];
+
+pub(super) const QUALITY_KEYS: [&str; 5] =
+    ["light_error", "max_depth", "min_throughput", "samples", "wavelength_step"];
+
+const MAX_SAMPLES_A_PIXEL: u64 = 1_000_000;
+
+pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
+    module.set("scene", fault::function(lua, |lua, a| scene(lua, Arguments::new("scene", a, 1)?))?)
+}
+
+fn scene(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
+    let options = arguments.options(&KEYS)?;
+    let mut parts = Parts::default();
+    let objects = options.required_list("objects", "a list of {mesh =, material =}")?;
+    for (at, value) in (1..).zip(objects) {
+        parts.add_object(Options::new(
+            &format!("scene: object {at}"),
+            value,
+            &["material", "mesh"],
+        )?)?;
+    }
+    let lights = options.list("lights", "a list of raysets")?.unwrap_or_default();
+    let lights = lights.iter().map(|value| {
+        let light: LuaLight = options::handle("scene", "\"lights\"", value, "a list of raysets")?;
+        Ok(Light { rays: light.rays, spectrum: Arc::unwrap_or_clone(light.spectrum) })
+    });
+    let photometries = [("relative", Photometry::Relative), ("absolute", Photometry::Absolute)];
+    let shadows = if options.flag("shadows", false)? { Shadows::On } else { Shadows::Off };
+    let black = || Spectrum::constant(0.0);
+    let scene = Scene {
+        lights: lights.collect::<mlua::Result<_>>()?,
+        background: options.spectrum("background")?.unwrap_or_else(black),
+        ambient: options.spectrum("ambient")?.unwrap_or_else(black),
+        photometry: options.choice("photometry", &photometries)?.unwrap_or(Photometry::Relative),
+        shadows,
+        objects: parts.objects,
+        materials: parts.materials.iter().map(|m| Material::clone(m)).collect(),
+    };
+    scene.check()?;
+    let host = host::of(lua)?;
+    scene.warnings().into_iter().for_each(|warning| host.warn(warning));
+    Ok(LuaScene { scene: Arc::new(scene), prepared: Arc::default() })
+}
+
+#[derive(Default)]
+struct Parts {
+    objects: Vec<Object>,
+    materials: Vec<Arc<Material>>,
+}
+
+impl Parts {
+    /// A material handle used twice is one material of the scene.
+    fn add_object(&mut self, options: Options) -> mlua::Result<()> {
+        let mesh: LuaMesh = options.required_handle("mesh", "a mesh")?;
+        let material: LuaMaterial = options.required_handle("material", "a material")?;
+        let known = self.materials.iter().position(|m| Arc::ptr_eq(m, &material.0));
+        let material = known.unwrap_or_else(|| {
+            self.materials.push(material.0);
+            self.materials.len() - 1
+        });
+        self.objects.push(Object { mesh: mesh.0, material: MaterialId(material) });
+        Ok(())
+    }
+}
+
+impl LuaScene {
+    pub(super) fn prepared(&self) -> mlua::Result<Arc<Prepared>> {
+        if let Some(prepared) = self.prepared.get() {
+            return Ok(Arc::clone(prepared));
+        }
+        let prepared = Arc::new(Scene::clone(&self.scene).prepare()?);
+        Ok(Arc::clone(self.prepared.get_or_init(|| prepared)))
+    }
+
+    fn render(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaImage> {
+        let value = arguments.value();
+        let view: LuaView = options::handle("scene:render", "argument 1", &value, "a view")?;
+        let quality = quality(arguments.options(&QUALITY_KEYS)?)?;
+        let host = host::of(lua)?;
+        let prepared = self.prepared()?;
+        let progress = host.progress(view.0.pixels());
+        let (mut image, stats) = render::render(&prepared, &view.0, &quality, &progress)?;
+        image.metadata.insert("script".to_owned(), host.script.display().to_string());
+        Ok(LuaImage::new(image, stats, &prepared, view.0))
+    }
+}
+
+/// Errors: keys and ranges of the quality options.
+pub(super) fn quality(options: Options) -> mlua::Result<Quality> {
+    let mut quality = Quality::default();
+    let limits = &mut quality.limits;
+    if let Some(depth) = options.count("max_depth", 0, 1000)? {
+        limits.max_depth = depth as u32;
+    }
+    limits.min_throughput =
+        options.number_or("min_throughput", Range::RATIO, limits.min_throughput)?;
+    limits.light_error = options.number_or("light_error", Range::RATIO, limits.light_error)?;
+    if options.has("wavelength_step")? {
+        let value = options.value("wavelength_step")?;
+        quality.grid = grid_from_step(options.object(), "\"wavelength_step\"", &value)?;
+    }
+    quality.samples = samples(&options, quality.samples)?;
+    Ok(quality)
+}
+
+/// A count, or `{min =, max =, error =}`.
+fn samples(options: &Options, default: Samples) -> mlua::Result<Samples> {
+    let object = format!("{}: samples", options.object());
+    match options.value("samples")? {
+        Value::Nil => Ok(default),
+        table @ Value::Table(_) => {
+            let options = Options::new(&object, table, &["error", "max", "min"])?;
+            let min = options.count("min", 2, MAX_SAMPLES_A_PIXEL)?.unwrap_or(4);
+            let max = options.count("max", min, MAX_SAMPLES_A_PIXEL)?.unwrap_or(256.max(min));
+            let error = options.number_or("error", Range::above_zero(""), 0.01)?;
+            Ok(Samples::Adaptive { min: min as u32, max: max as u32, error })
+        }
+        value => {
+            let count =
+                options::count(options.object(), "\"samples\"", &value, 1, MAX_SAMPLES_A_PIXEL)?;
+            Ok(Samples::Fixed(count as u32))
+        }
+    }
+}
+
+impl UserData for LuaScene {
+    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
+        fault::method(methods, "render", |lua, this: &Self, a| {
+            this.render(lua, Arguments::new("scene:render", a, 2)?)
+        });
+        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
+            let scene = &this.scene;
+            let triangles: usize = scene.objects.iter().map(|o| o.mesh.triangles.len()).sum();
+            Ok(format!(
+                "scene: {} objects, {triangles} triangles, {} lights",
+                scene.objects.len(),
+                scene.lights.len()
+            ))
+        });
+        fault::refuse_unknown_fields(methods, "scene", &["render"]);
+    }
+}
