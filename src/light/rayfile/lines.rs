@@ -164,11 +164,11 @@ impl<'i, 'a> Lines<'i, 'a> {
     }
 }
 
-fn without_bom(line: &[u8]) -> &[u8] {
+pub(super) fn without_bom(line: &[u8]) -> &[u8] {
     line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line)
 }
 
-fn is_skipped(line: &[u8]) -> bool {
+pub(super) fn is_skipped(line: &[u8]) -> bool {
     line.is_empty() || line.starts_with(b"#")
 }
 

@@ -3,13 +3,17 @@
 //! Layouts after IES TM-25-13, the help of the programs that write the files, and files of LED
 //! makers. What a file does not say is not guessed: see [`RayFile::into_light`].
 
+mod asap;
 mod binary;
 mod csv;
 mod input;
+mod lighttools;
 mod lines;
 mod record;
 mod spectral;
+mod text;
 mod tm25;
+mod zemax;
 
 use std::fs::File;
 use std::io::Read;
@@ -24,15 +28,27 @@ use crate::spectrum::Spectrum;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
+    Asap,
     Csv,
+    LightToolsAscii,
+    LightToolsBinary,
+    SevenColumns,
     Tm25,
+    ZemaxBinary,
+    ZemaxText,
 }
 
 impl std::fmt::Display for Format {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
+            Self::Asap => "ASAP",
             Self::Csv => "CSV",
+            Self::LightToolsAscii => "LightTools ASCII",
+            Self::LightToolsBinary => "LightTools binary",
+            Self::SevenColumns => "text of seven columns",
             Self::Tm25 => "IES TM-25",
+            Self::ZemaxBinary => "Zemax binary",
+            Self::ZemaxText => "Zemax text",
         })
     }
 }
@@ -84,6 +100,10 @@ pub enum Warning {
     HeaderFlux { header: f64, sum: f64, unit: FluxUnit },
     /// The file does not say what its flux is in; taken as lm.
     UnstatedUnit,
+    /// The file does not say what its lengths are in; taken as mm.
+    UnstatedLengthUnit,
+    /// The header's origin in the model that wrote the file; start points stay as they are.
+    OriginNotApplied { origin: [f64; 3] },
     /// Rays outside of 380 to 780 nm, which make no light.
     InvisibleRays { rays: u64 },
     /// Directions brought to unit length.
@@ -103,6 +123,12 @@ impl std::fmt::Display for Warning {
             Self::UnstatedUnit => f.write_str(
                 "the file does not say what its flux is in: taken as lm, or give \"flux\"",
             ),
+            Self::UnstatedLengthUnit => {
+                f.write_str("the file does not say what its lengths are in: taken as mm")
+            }
+            Self::OriginNotApplied { origin: [x, y, z] } => {
+                write!(f, "the header's origin ({x}, {y}, {z}) is not added to the start points")
+            }
             Self::InvisibleRays { rays } => {
                 write!(f, "{rays} rays have wavelengths outside of 380 to 780 nm and make no light")
             }
@@ -156,22 +182,62 @@ pub fn read(path: &Path) -> Result<RayFile> {
 pub fn read_from(path: &Path, reader: &mut dyn Read, bytes: u64) -> Result<RayFile> {
     let mut input = Input::new(path, reader, bytes)?;
     let parsed = match format_of(input.head()) {
+        Some(Format::Asap) => asap::read(&mut input)?,
         Some(Format::Csv) => csv::read(&mut input)?,
+        Some(Format::LightToolsAscii) => lighttools::read_ascii(&mut input)?,
+        Some(Format::LightToolsBinary) => lighttools::read_binary(&mut input)?,
+        Some(Format::SevenColumns) => text::read(&mut input)?,
         Some(Format::Tm25) => tm25::read(&mut input)?,
+        Some(Format::ZemaxBinary) => zemax::read_binary(&mut input)?,
+        Some(Format::ZemaxText) => zemax::read_text(&mut input)?,
         None => {
-            return Err(input.bad("not a ray file of a known format (IES TM-25, CSV)"));
+            return Err(input.bad(
+                "not a ray file of a known format (IES TM-25, Zemax, LightTools, ASAP, CSV, or \
+                 rows of seven numbers)",
+            ));
         }
     };
     parsed.finish(path, &input)
 }
 
+/// The format that a file's first bytes tell.
 fn format_of(head: &[u8]) -> Option<Format> {
     if head.starts_with(tm25::MAGIC) {
         return Some(Format::Tm25);
     }
-    let mut lines = head.split(|&b| b == b'\n').map(<[u8]>::trim_ascii);
-    let first = lines.find(|line| !line.is_empty() && !line.starts_with(b"#"))?;
-    csv::is_header(first).then_some(Format::Csv)
+    if head.starts_with(lighttools::MAGIC) {
+        return Some(Format::LightToolsBinary);
+    }
+    if zemax::is_binary(head) {
+        return Some(Format::ZemaxBinary);
+    }
+    if asap::byte_order(head).is_some() {
+        return Some(Format::Asap);
+    }
+    text_format_of(head)
+}
+
+fn text_format_of(head: &[u8]) -> Option<Format> {
+    let head = lines::without_bom(head);
+    if lighttools::is_ascii(head) {
+        return Some(Format::LightToolsAscii);
+    }
+    let mut content = head.split(|&b| b == b'\n').map(<[u8]>::trim_ascii);
+    let first = content.find(|line| !lines::is_skipped(line))?;
+    if csv::is_header(first) {
+        Some(Format::Csv)
+    } else if zemax::is_text(first) {
+        Some(Format::ZemaxText)
+    } else {
+        text::is_seven_columns(head).then_some(Format::SevenColumns)
+    }
+}
+
+/// `None` where a header leaves its flux or wavelength open: 0, NaN, or NaN with its bytes swapped,
+/// as one LED maker writes it.
+fn known(value: f32) -> Option<f64> {
+    let swapped = f32::from_bits(value.to_bits().swap_bytes());
+    (value > 0.0 && value.is_finite() && !swapped.is_nan()).then_some(f64::from(value))
 }
 
 /// What a block of rays yields.
@@ -219,6 +285,12 @@ impl Parsed {
             spectrum: FileSpectrum::None,
             description: Vec::new(),
             warnings: Vec::new(),
+        }
+    }
+
+    fn describe(&mut self, name: &str, text: String) {
+        if !text.is_empty() {
+            self.description.push((name.to_owned(), text));
         }
     }
 

@@ -67,7 +67,7 @@ impl Table {
         if let ([lambda_nm], [weight]) = (spectrum.wavelengths_nm(), spectrum.values()) {
             return (*weight > 0.0).then(|| Self::line(*lambda_nm));
         }
-        let power = radiant_power(&spectrum);
+        let power = integral(&spectrum, |_| 1.0);
         if !(power > 0.0 && power.is_finite()) {
             return None;
         }
@@ -95,16 +95,9 @@ impl Table {
 /// The power lies within the table's wavelengths, or within 380 to 780 nm if it is a constant.
 /// Trapezoids over the rows and the 5 nm bands.
 pub(super) fn luminous_efficacy(spectrum: &Spectrum) -> Option<f64> {
-    let weighted = spectrum.mapped(|nm, value| value * cie::v_lambda(nm));
-    let (first, last) = range_nm(spectrum);
-    let luminous = cie::K_LM_PER_W * trapezoid(&weighted, first, last);
-    let power = radiant_power(spectrum);
+    let power = integral(spectrum, |_| 1.0);
+    let luminous = cie::K_LM_PER_W * integral(spectrum, cie::v_lambda);
     (power > 0.0 && luminous.is_finite()).then(|| luminous / power)
-}
-
-fn radiant_power(spectrum: &Spectrum) -> f64 {
-    let (first, last) = range_nm(spectrum);
-    trapezoid(&spectrum.mapped(|_, value| value), first, last)
 }
 
 fn range_nm(spectrum: &Spectrum) -> (f64, f64) {
@@ -114,14 +107,16 @@ fn range_nm(spectrum: &Spectrum) -> (f64, f64) {
     }
 }
 
-fn trapezoid(spectrum: &Spectrum, first_nm: f64, last_nm: f64) -> f64 {
-    let (nm, values) = (spectrum.wavelengths_nm(), spectrum.values());
-    if nm.len() < 2 {
-        return spectrum.at(first_nm) * (last_nm - first_nm);
-    }
-    let inside = |i: &usize| nm[*i] >= first_nm && nm[i + 1] <= last_nm;
-    let steps = (0..nm.len() - 1).filter(inside);
-    steps.map(|i| 0.5 * (values[i] + values[i + 1]) * (nm[i + 1] - nm[i])).sum()
+/// ∫ S w dλ over the table's range by trapezoids between its rows and the 5 nm bands.
+fn integral(spectrum: &Spectrum, weight: impl Fn(f64) -> f64) -> f64 {
+    let (first, last) = range_nm(spectrum);
+    let rows = spectrum.wavelengths_nm().iter().copied();
+    let mut nodes: Vec<f64> = rows.chain(GRID.wavelengths_nm()).collect();
+    nodes.retain(|nm| (first..=last).contains(nm));
+    nodes.sort_by(f64::total_cmp);
+    let values: Vec<f64> = nodes.iter().map(|&nm| spectrum.at(nm) * weight(nm)).collect();
+    let widths = nodes.windows(2).map(|nm| nm[1] - nm[0]);
+    widths.zip(values.windows(2)).map(|(width, v)| 0.5 * width * (v[0] + v[1])).sum()
 }
 
 /// Shares a power between the two nearest bands, so that its mean wavelength and its lumens by the

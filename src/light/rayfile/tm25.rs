@@ -4,7 +4,7 @@ use super::binary::{Block, ByteOrder};
 use super::input::{Header, Input};
 use super::record::Layout;
 use super::spectral::{Table, Tag};
-use super::{FileSpectrum, FluxUnit, Format, Parsed, Warning};
+use super::{FileSpectrum, FluxUnit, Format, Parsed, Warning, known};
 use crate::error::Result;
 use crate::spectrum::Spectrum;
 
@@ -172,13 +172,6 @@ fn count(input: &Input, header: &Header, at: usize, what: &str) -> Result<u64> {
     u64::try_from(value).map_err(|_| input.bad(format!("{value} {what}, allowed: 0 or more")))
 }
 
-/// `None` where the file says "unknown": NaN, also with its bytes swapped as one LED maker writes
-/// it, or nothing above 0.
-fn known(value: f32) -> Option<f64> {
-    let is_swapped_nan = f32::from_bits(value.to_bits().swap_bytes()).is_nan();
-    (value > 0.0 && !is_swapped_nan).then_some(f64::from(value))
-}
-
 fn flux_field(input: &Input, header: &Header, at: usize) -> Result<Option<f64>> {
     match header.f32(at) {
         flux if flux.is_infinite() => Err(input.bad(format!("the header's flux is {flux}"))),
@@ -226,7 +219,7 @@ fn spectrum_of(
     let radiant = columns.radiant.is_some();
     match header.i32(offset::SPECTRAL_ID) {
         0 => Ok((Tag::None, FileSpectrum::None)),
-        1 => match known(header.f32(offset::WAVELENGTHS)).filter(|nm| nm.is_finite()) {
+        1 => match known(header.f32(offset::WAVELENGTHS)) {
             Some(nm) => Ok((Tag::None, FileSpectrum::Line { table: Table::line(nm), nm })),
             None => Err(input.bad("spectral identifier 1 without a wavelength")),
         },

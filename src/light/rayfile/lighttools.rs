@@ -1,0 +1,268 @@
+//! LightTools ray data: binary of versions 2 and 3, and ASCII.
+//!
+//! The rays' flux is relative and scaled to the header's total. Polarized records of version 3 are
+//! wider than anything published says, and refused by their size.
+
+use super::binary::{Block, ByteOrder};
+use super::input::{Header, Input};
+use super::lines::{Lines, Separator, Table as TextTable};
+use super::record::Layout;
+use super::spectral::Tag;
+use super::{FileSpectrum, FluxUnit, Format, Parsed, Warning, known};
+use crate::error::Result;
+
+pub(super) const MAGIC: &[u8] = b"LTRF";
+const TRAILER: &[u8] = b"LTRFEND";
+const HEADER_BYTES: u64 = 44;
+
+mod offset {
+    pub const MAJOR: usize = 4;
+    pub const DATA_TYPE: usize = 12;
+    pub const FAR_FIELD: usize = 16;
+    pub const COLOR: usize = 20;
+    pub const LENGTH_UNIT: usize = 24;
+    pub const ORIGIN: usize = 28;
+    pub const FLUX: usize = 40;
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Color {
+    None,
+    Tristimulus,
+    Wavelength,
+}
+
+/// What both encodings state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Statement {
+    unit: FluxUnit,
+    far_field: bool,
+    color: Color,
+    /// `None`: the length unit of the model that wrote the file.
+    mm_per_unit: Option<f64>,
+    origin: [f64; 3],
+    flux: Option<f64>,
+}
+
+impl Statement {
+    fn layout(&self) -> Layout {
+        let direction = if self.far_field { 0 } else { 3 };
+        let first = direction + 3;
+        // Y of X Y Z is the luminous flux.
+        let (columns, flux, tag) = match self.color {
+            Color::None => (first + 1, first, Tag::None),
+            Color::Tristimulus => (first + 3, first + 1, Tag::None),
+            Color::Wavelength => {
+                (first + 2, first, Tag::Wavelength { column: first + 1, nm_per_unit: 1.0 })
+            }
+        };
+        Layout {
+            columns,
+            position: (!self.far_field).then_some(0),
+            direction,
+            flux,
+            radiant: None,
+            tag,
+            mm_per_unit: self.mm_per_unit.unwrap_or(1.0),
+        }
+    }
+
+    fn fill(&self, parsed: &mut Parsed) {
+        parsed.header_flux = self.flux;
+        if self.color == Color::Wavelength {
+            parsed.spectrum = FileSpectrum::PerRay;
+        }
+        if self.mm_per_unit.is_none() {
+            parsed.warnings.push(Warning::UnstatedLengthUnit);
+        }
+        if self.origin != [0.0; 3] {
+            parsed.warnings.push(Warning::OriginNotApplied { origin: self.origin });
+        }
+    }
+}
+
+pub(super) fn read_binary(input: &mut Input) -> Result<Parsed> {
+    let header = Header(input.take(HEADER_BYTES, "the header")?);
+    match header.u32(offset::MAJOR) {
+        2 => {}
+        3 => {
+            // Whether the rays are polarized; the size tells whether they are wider for it.
+            input.take(4, "the polarization word")?;
+        }
+        other => return Err(input.bad(format!("LightTools version {other}, allowed: 2 and 3"))),
+    }
+    let statement = binary_statement(input, &header)?;
+    let layout = statement.layout();
+    let trailer_bytes = TRAILER.len() as u64;
+    let record_bytes = 4 * layout.columns as u64;
+    let ray_bytes = input.bytes_left().checked_sub(trailer_bytes);
+    let Some(rays) = ray_bytes.filter(|b| b % record_bytes == 0).map(|b| b / record_bytes) else {
+        return Err(input.bad(format!(
+            "{} bytes after the header are not whole rays of {record_bytes} bytes and \"LTRFEND\"",
+            input.bytes_left()
+        )));
+    };
+    let block = Block { layout: &layout, unit: statement.unit, rays, order: ByteOrder::Little };
+    let rays = block.read(input, trailer_bytes)?;
+    if input.take(trailer_bytes, "the end mark")? != TRAILER {
+        return Err(input.bad("the file does not end with \"LTRFEND\""));
+    }
+    let mut parsed = Parsed::new(Format::LightToolsBinary, rays, statement.unit);
+    statement.fill(&mut parsed);
+    Ok(parsed)
+}
+
+fn binary_statement(input: &Input, header: &Header) -> Result<Statement> {
+    let bad = |what: &str, found: u32, allowed: &str| {
+        Err(input.bad(format!("{what} {found}, allowed: {allowed}")))
+    };
+    let unit = match header.u32(offset::DATA_TYPE) {
+        0 => FluxUnit::Watt,
+        1 => FluxUnit::Lumen,
+        other => return bad("data type", other, "0 and 1"),
+    };
+    let far_field = match header.u32(offset::FAR_FIELD) {
+        0 => false,
+        1 => true,
+        other => return bad("far-field flag", other, "0 and 1"),
+    };
+    let color = match header.u32(offset::COLOR) {
+        0 => Color::None,
+        1 => Color::Tristimulus,
+        2 => Color::Wavelength,
+        other => return bad("color information", other, "0 to 2"),
+    };
+    let mm_per_unit = match header.u32(offset::LENGTH_UNIT) {
+        0 => None,
+        1 => Some(1.0),
+        2 => Some(10.0),
+        3 => Some(1000.0),
+        4 => Some(25.4),
+        5 => Some(304.8),
+        6 => Some(1e-3),
+        7 => Some(1e-6),
+        other => return bad("length unit", other, "0 to 7"),
+    };
+    let origin = [0, 4, 8].map(|i| f64::from(header.f32(offset::ORIGIN + i)));
+    let flux = known(header.f32(offset::FLUX));
+    Ok(Statement { unit, far_field, color, mm_per_unit, origin, flux })
+}
+
+const START: &[u8] = b"lt_startofdata";
+const END: &str = "lt_endofdata";
+
+/// Whether one of the first lines has a key of the format.
+pub(super) fn is_ascii(head: &[u8]) -> bool {
+    head.split(|&b| b == b'\n').any(|line| {
+        let line = line.trim_ascii();
+        line.starts_with(b"lt_rdf_version") || line.starts_with(b"lt_datatype") || line == START
+    })
+}
+
+pub(super) fn read_ascii(input: &mut Input) -> Result<Parsed> {
+    let mut lines = Lines::new(input);
+    let (statement, name) = ascii_statement(&mut lines)?;
+    let layout = statement.layout();
+    let rays = lines.read_rows(&TextTable {
+        layout: &layout,
+        unit: statement.unit,
+        separator: Separator::Blank,
+        end: Some(END),
+    })?;
+    let mut parsed = Parsed::new(Format::LightToolsAscii, rays, statement.unit);
+    statement.fill(&mut parsed);
+    parsed.describe("data name", name);
+    Ok(parsed)
+}
+
+/// The lines up to the start of the data.
+fn ascii_statement(lines: &mut Lines) -> Result<(Statement, String)> {
+    let mut unit = None;
+    let mut name = String::new();
+    let mut statement = Statement {
+        unit: FluxUnit::Unstated,
+        far_field: false,
+        color: Color::None,
+        mm_per_unit: None,
+        origin: [0.0; 3],
+        flux: None,
+    };
+    loop {
+        let Some(line) = lines.peek_content()? else {
+            return Err(lines.bad("the file ends without \"lt_startofdata\""));
+        };
+        if line.starts_with(START) {
+            lines.advance();
+            statement.unit = unit.unwrap_or(FluxUnit::Unstated);
+            return Ok((statement, name));
+        }
+        let line = String::from_utf8_lossy(line).into_owned();
+        let (key, value) = line.split_once(':').unwrap_or((&line, ""));
+        let (key, value) = (key.trim(), value.trim());
+        let word = value.to_ascii_lowercase();
+        let known_word = match key {
+            "dataname" => {
+                name = value.to_owned();
+                true
+            }
+            "lt_datatype" => {
+                unit = data_type(&word);
+                unit.is_some()
+            }
+            "lt_far_field_data" => {
+                statement.far_field = word == "yes";
+                matches!(word.as_str(), "yes" | "no")
+            }
+            "lt_color_info" => color(&word).map(|color| statement.color = color).is_some(),
+            "lt_length_units" => {
+                length_unit(&word).map(|unit| statement.mm_per_unit = unit).is_some()
+            }
+            "lt_data_origin" => origin(&word).map(|origin| statement.origin = origin).is_some(),
+            "lt_radiant_flux" | "lt_luminous_flux" => {
+                word.parse().map(|flux: f32| statement.flux = known(flux)).is_ok()
+            }
+            _ => true,
+        };
+        if !known_word {
+            return Err(lines.bad(format!("\"{key}\" is \"{value}\", which is not known")));
+        }
+        lines.advance();
+    }
+}
+
+fn data_type(word: &str) -> Option<FluxUnit> {
+    match word {
+        "radiant_power" | "radiant_flux" => Some(FluxUnit::Watt),
+        "luminous_flux" | "luminous_power" => Some(FluxUnit::Lumen),
+        _ => None,
+    }
+}
+
+fn color(word: &str) -> Option<Color> {
+    match word {
+        "none" => Some(Color::None),
+        "tristimulus" | "cie_tristimulus" => Some(Color::Tristimulus),
+        "wavelength" => Some(Color::Wavelength),
+        _ => None,
+    }
+}
+
+/// `Some(None)` for the unit of the writing model.
+fn length_unit(word: &str) -> Option<Option<f64>> {
+    match word {
+        "system" => Some(None),
+        "millimeters" | "mm" => Some(Some(1.0)),
+        "centimeters" | "cm" => Some(Some(10.0)),
+        "meters" | "m" => Some(Some(1000.0)),
+        "inches" | "in" => Some(Some(25.4)),
+        "feet" | "ft" => Some(Some(304.8)),
+        "microns" | "micrometers" => Some(Some(1e-3)),
+        "nanometers" | "nm" => Some(Some(1e-6)),
+        _ => None,
+    }
+}
+
+fn origin(words: &str) -> Option<[f64; 3]> {
+    let cells: Option<Vec<f64>> = words.split_whitespace().map(|cell| cell.parse().ok()).collect();
+    cells?.try_into().ok()
+}
