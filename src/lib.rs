@@ -22,8 +22,13 @@
 pub mod color;
 pub mod error;
 pub mod geometry;
+pub mod image;
 pub mod light;
 pub mod material;
+pub mod render;
+pub mod scene;
+pub mod shading;
 pub mod spectrum;
+pub mod view;
 
 pub use error::{Error, Result};

@@ -1,8 +1,10 @@
 //! Rays, hits, meshes with their normals, OBJ import, the BVH.
 
+pub mod bvh;
 pub mod mesh;
 pub mod obj;
 
+pub use bvh::{Bvh, Departure};
 pub use glam::DVec3;
 pub use mesh::Mesh;
 

@@ -6,9 +6,11 @@ pub mod coil;
 pub mod cylinder;
 pub mod filament;
 mod lambert;
+pub mod rayfile;
 pub mod rayset;
 mod sequence;
 pub mod sum;
+pub mod tree;
 pub mod tungsten;
 
 pub use bulb::Bulb;
@@ -16,3 +18,5 @@ pub use coil::Coil;
 pub use cylinder::Cylinder;
 pub use filament::Filament;
 pub use rayset::{RaySample, RaySet};
+pub use sum::{HitQuery, LightSum, Photometry, Visibility};
+pub use tree::LightTree;

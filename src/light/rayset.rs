@@ -29,3 +29,10 @@ pub struct RaySet {
     /// Σ Φ_i, lm: `samples[i].flux` is scaled so that they sum to it.
     pub flux_lm: f64,
 }
+
+impl RaySet {
+    /// A set where it was made, in its own coordinates.
+    pub fn new(samples: Arc<[RaySample]>, flux_lm: f64) -> Self {
+        Self { samples, world_from_local: DAffine3::IDENTITY, flux_lm }
+    }
+}

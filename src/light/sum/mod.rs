@@ -1,4 +1,10 @@
-//! What a hit asks of a light source, and the answer (eq. 2 and 9).
+//! What a hit asks of a light source, the answer (eq. 2 and 9), and the plain f64 sum.
+
+mod reference;
+mod side;
+
+pub use reference::reference_sum;
+pub(crate) use side::Side;
 
 use glam::DVec3;
 

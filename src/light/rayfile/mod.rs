@@ -1,0 +1,336 @@
+//! Ray files: one file a format, told apart by content, one common result.
+//!
+//! Layouts after IES TM-25-13, the help of the programs that write the files, and files of LED
+//! makers. What a file does not say is not guessed: see [`RayFile::into_light`].
+
+mod binary;
+mod csv;
+mod input;
+mod lines;
+mod record;
+mod spectral;
+mod tm25;
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use self::input::Input;
+use self::spectral::{Table, Tally, luminous_efficacy};
+use super::{RaySample, RaySet};
+use crate::error::{Error, Place, Result};
+use crate::spectrum::Spectrum;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    Csv,
+    Tm25,
+}
+
+impl std::fmt::Display for Format {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Csv => "CSV",
+            Self::Tm25 => "IES TM-25",
+        })
+    }
+}
+
+/// What a file's flux is in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FluxUnit {
+    Lumen,
+    Watt,
+    /// The format has no word for it; taken as lm, with a warning.
+    Unstated,
+}
+
+impl std::fmt::Display for FluxUnit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Lumen => "lm",
+            Self::Watt => "W",
+            Self::Unstated => "(unit not stated)",
+        })
+    }
+}
+
+/// What a file says about the spectrum.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SpectrumSource {
+    None,
+    /// One wavelength for all rays, nm.
+    Line {
+        nm: f64,
+    },
+    /// A wavelength a ray, nm: their mean, weighted by radiant flux, stands for all.
+    PerRay {
+        min_nm: f64,
+        max_nm: f64,
+    },
+    /// One table for all rays.
+    Table,
+    /// A table a ray: their mean, weighted by radiant flux, stands for all.
+    Mixture {
+        tables: usize,
+    },
+}
+
+/// What silently changes the picture, or should be known.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Warning {
+    /// The sum of the rays was rescaled to the header's flux.
+    HeaderFlux { header: f64, sum: f64, unit: FluxUnit },
+    /// The file does not say what its flux is in; taken as lm.
+    UnstatedUnit,
+    /// Rays outside of 380 to 780 nm, which make no light.
+    InvisibleRays { rays: u64 },
+    /// Directions brought to unit length.
+    DirectionsNormalized { rays: u64, largest_error: f64 },
+    /// A version of the format that was not seen yet, read like the known one.
+    UnknownVersion { found: String },
+}
+
+impl std::fmt::Display for Warning {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::HeaderFlux { header, sum, unit } => write!(
+                f,
+                "the header says {header} {unit}, the rays sum to {sum} {unit}: rescaled to the \
+                 header"
+            ),
+            Self::UnstatedUnit => f.write_str(
+                "the file does not say what its flux is in: taken as lm, or give \"flux\"",
+            ),
+            Self::InvisibleRays { rays } => {
+                write!(f, "{rays} rays have wavelengths outside of 380 to 780 nm and make no light")
+            }
+            Self::DirectionsNormalized { rays, largest_error } => write!(
+                f,
+                "{rays} directions were not unit, the worst off by {:.2} %: normalized",
+                100.0 * largest_error
+            ),
+            Self::UnknownVersion { found } => {
+                write!(f, "version {found} of the format is not known, read like the known one")
+            }
+        }
+    }
+}
+
+/// A ray file's content.
+#[derive(Debug, Clone)]
+pub struct RayFile {
+    pub path: PathBuf,
+    pub format: Format,
+    /// In the file's order; flux relative, or in lm where wavelengths or tables made it so.
+    pub samples: Arc<[RaySample]>,
+    pub flux_unit: FluxUnit,
+    /// The header's total in `flux_unit`, where it states one.
+    pub header_flux: Option<f64>,
+    /// Σ of the rays' flux as stored, in `flux_unit`.
+    pub flux_sum: f64,
+    /// Luminous flux of the set, lm; `None` for watts without a spectrum.
+    pub flux_lm: Option<f64>,
+    pub spectrum_source: SpectrumSource,
+    /// Relative; `None` if the file has none.
+    pub spectrum: Option<Spectrum>,
+    /// Name and text of the header's descriptions that are not empty.
+    pub description: Vec<(String, String)>,
+    pub warnings: Vec<Warning>,
+}
+
+/// The format is told by the content.
+///
+/// Errors: [`Error::Io`], and [`Error::BadFile`] with the line or record.
+pub fn read(path: &Path) -> Result<RayFile> {
+    let mut file = File::open(path).map_err(|e| Error::io(path, e))?;
+    let metadata = file.metadata().map_err(|e| Error::io(path, e))?;
+    if !metadata.is_file() {
+        return Err(Error::bad_file(path, Place::File, "not a file"));
+    }
+    read_from(path, &mut file, metadata.len())
+}
+
+/// Reads `bytes` bytes; `path` only names them in messages.
+pub fn read_from(path: &Path, reader: &mut dyn Read, bytes: u64) -> Result<RayFile> {
+    let mut input = Input::new(path, reader, bytes)?;
+    let parsed = match format_of(input.head()) {
+        Some(Format::Csv) => csv::read(&mut input)?,
+        Some(Format::Tm25) => tm25::read(&mut input)?,
+        None => {
+            return Err(input.bad("not a ray file of a known format (IES TM-25, CSV)"));
+        }
+    };
+    parsed.finish(path, &input)
+}
+
+fn format_of(head: &[u8]) -> Option<Format> {
+    if head.starts_with(tm25::MAGIC) {
+        return Some(Format::Tm25);
+    }
+    let mut lines = head.split(|&b| b == b'\n').map(<[u8]>::trim_ascii);
+    let first = lines.find(|line| !line.is_empty() && !line.starts_with(b"#"))?;
+    csv::is_header(first).then_some(Format::Csv)
+}
+
+/// What a block of rays yields.
+struct Rays {
+    samples: Arc<[RaySample]>,
+    tally: Tally,
+}
+
+/// A reader's finding about the spectrum.
+enum FileSpectrum {
+    None,
+    Line { table: Table, nm: f64 },
+    PerRay,
+    Table { table: Table },
+    Mixture { tables: usize },
+}
+
+/// What a reader finds, before what is common to all formats is worked out.
+struct Parsed {
+    format: Format,
+    rays: Rays,
+    unit: FluxUnit,
+    header_flux: Option<f64>,
+    /// Luminous flux that the header states beside one in another unit.
+    header_lm: Option<f64>,
+    spectrum: FileSpectrum,
+    description: Vec<(String, String)>,
+    warnings: Vec<Warning>,
+}
+
+/// Header and sum that agree to this were the same number before a maker rounded it.
+const FLUX_TOLERANCE: f64 = 1e-3;
+
+/// Directions of files with three decimals are off by this much.
+const DIRECTION_WARNING: f64 = 1e-3;
+
+impl Parsed {
+    fn new(format: Format, rays: Rays, unit: FluxUnit) -> Self {
+        Self {
+            format,
+            rays,
+            unit,
+            header_flux: None,
+            header_lm: None,
+            spectrum: FileSpectrum::None,
+            description: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    fn finish(mut self, path: &Path, input: &Input) -> Result<RayFile> {
+        let tally = &self.rays.tally;
+        if self.rays.samples.is_empty() {
+            return Err(input.bad("the file holds no rays"));
+        }
+        if tally.flux == 0.0 {
+            return Err(input.bad("no ray carries flux"));
+        }
+        self.warn();
+        let flux_lm = self.flux_lm();
+        if flux_lm == Some(0.0) {
+            return Err(input.bad("the rays make no light between 380 and 780 nm"));
+        }
+        let tally = &self.rays.tally;
+        let (spectrum_source, spectrum) = match self.spectrum {
+            FileSpectrum::None => (SpectrumSource::None, None),
+            FileSpectrum::Line { table, nm } => (SpectrumSource::Line { nm }, Some(table.spectrum)),
+            FileSpectrum::Table { table } => (SpectrumSource::Table, Some(table.spectrum)),
+            FileSpectrum::PerRay => {
+                let (min_nm, max_nm) = tally.wavelengths_nm.unwrap_or_default();
+                (SpectrumSource::PerRay { min_nm, max_nm }, tally.mean_spectrum())
+            }
+            FileSpectrum::Mixture { tables } => {
+                (SpectrumSource::Mixture { tables }, tally.mean_spectrum())
+            }
+        };
+        Ok(RayFile {
+            path: path.to_owned(),
+            format: self.format,
+            flux_unit: self.unit,
+            header_flux: self.header_flux,
+            flux_sum: tally.flux,
+            flux_lm,
+            spectrum_source,
+            spectrum,
+            description: self.description,
+            warnings: self.warnings,
+            samples: self.rays.samples,
+        })
+    }
+
+    fn warn(&mut self) {
+        let tally = &self.rays.tally;
+        if let Some(header) = self.header_flux
+            && (header / tally.flux - 1.0).abs() > FLUX_TOLERANCE
+        {
+            let (sum, unit) = (tally.flux, self.unit);
+            self.warnings.push(Warning::HeaderFlux { header, sum, unit });
+        }
+        if self.unit == FluxUnit::Unstated {
+            self.warnings.push(Warning::UnstatedUnit);
+        }
+        if tally.invisible > 0 {
+            self.warnings.push(Warning::InvisibleRays { rays: tally.invisible });
+        }
+        if tally.largest_direction_error > DIRECTION_WARNING {
+            let (rays, largest_error) = (tally.off_unit, tally.largest_direction_error);
+            self.warnings.push(Warning::DirectionsNormalized { rays, largest_error });
+        }
+    }
+
+    /// The header's word counts before the sum of the rays.
+    fn flux_lm(&self) -> Option<f64> {
+        let tally = &self.rays.tally;
+        let stated = self.header_flux.unwrap_or(tally.flux);
+        if self.unit != FluxUnit::Watt {
+            return Some(stated);
+        }
+        self.header_lm.or(match &self.spectrum {
+            FileSpectrum::None => None,
+            FileSpectrum::Line { table, .. } | FileSpectrum::Table { table } => {
+                Some(stated * table.lm_per_w)
+            }
+            FileSpectrum::PerRay | FileSpectrum::Mixture { .. } => {
+                Some(tally.sample_flux * (stated / tally.flux))
+            }
+        })
+    }
+}
+
+/// What a script may say beside a file.
+#[derive(Debug, Clone, Default)]
+pub struct LightOptions {
+    /// I_norm(λ), relative; instead of the file's own.
+    pub spectrum: Option<Spectrum>,
+    /// Total, lm; instead of the file's own.
+    pub flux_lm: Option<f64>,
+}
+
+impl RayFile {
+    /// The light source of eq. 9 to 12, and its I_norm(λ).
+    ///
+    /// Radiant flux becomes luminous through the file's spectrum or, where it has none, the given
+    /// one.
+    ///
+    /// Errors: no spectrum anywhere.
+    pub fn into_light(self, options: LightOptions) -> Result<(RaySet, Spectrum)> {
+        let own_flux_lm = self.flux_lm;
+        let Some(spectrum) = options.spectrum.or(self.spectrum) else {
+            let problem = "the file has no spectrum, give \"spectrum\"";
+            return Err(Error::bad_file(&self.path, Place::File, problem));
+        };
+        let watts = self.header_flux.unwrap_or(self.flux_sum);
+        let from_watts = || luminous_efficacy(&spectrum).map(|lm_per_w| watts * lm_per_w);
+        let flux_lm = options.flux_lm.or(own_flux_lm).or_else(from_watts).unwrap_or_default();
+        if !(flux_lm > 0.0 && flux_lm.is_finite()) {
+            let problem = "the spectrum makes no light between 380 and 780 nm";
+            return Err(Error::bad_file(&self.path, Place::File, problem));
+        }
+        Ok((RaySet::new(self.samples, flux_lm), spectrum))
+    }
+}

@@ -1,0 +1,348 @@
+//! From wavelengths and tables of single rays to the one spectrum of a set (eq. 11–12).
+//!
+//! Deviation: eq. 12 gives a set one I_norm(λ). Files whose rays carry wavelengths or tables of
+//! their own (TM-25 identifiers 2 and 4, Zemax .SDF, LightTools with wavelengths) keep each ray's
+//! lumens, and get as I_norm the mean of the rays' spectra, weighted by radiant flux. Color that
+//! varies with direction is lost.
+
+use std::sync::Arc;
+
+use super::FluxUnit;
+use super::record::{Flaw, Layout, Record};
+use crate::light::RaySample;
+use crate::spectrum::{Spectrum, WavelengthGrid, cie};
+
+const GRID: WavelengthGrid = WavelengthGrid::Step5;
+
+/// Radiant power at the bands of [`GRID`], W, any scale.
+pub(super) type Bands = [f64; WavelengthGrid::MAX_BANDS];
+
+/// What a record says about its own spectrum.
+#[derive(Debug, Clone)]
+pub(super) enum Tag {
+    None,
+    Wavelength { column: usize, nm_per_unit: f64 },
+    Table { column: usize, tables: Arc<[Table]> },
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum TagFault {
+    Wavelength(f64),
+    Table { found: f32, tables: usize },
+}
+
+impl std::fmt::Display for TagFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Wavelength(nm) => write!(f, "wavelength is {nm} nm, allowed: finite and above 0"),
+            Self::Table { found, tables } => write!(
+                f,
+                "spectrum index has the bits {:#010x}, allowed: 1 to {tables}",
+                found.to_bits()
+            ),
+        }
+    }
+}
+
+impl Tag {
+    pub fn column(&self) -> Option<usize> {
+        match self {
+            Self::None => None,
+            Self::Wavelength { column, .. } | Self::Table { column, .. } => Some(*column),
+        }
+    }
+}
+
+/// A spectral table of a file, for 1 W.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Table {
+    pub spectrum: Spectrum,
+    pub lm_per_w: f64,
+    bands: Bands,
+}
+
+impl Table {
+    /// Errors: `None` if the table carries no power.
+    pub fn new(spectrum: Spectrum) -> Option<Self> {
+        if let ([lambda_nm], [weight]) = (spectrum.wavelengths_nm(), spectrum.values()) {
+            return (*weight > 0.0).then(|| Self::line(*lambda_nm));
+        }
+        let power = radiant_power(&spectrum);
+        if !(power > 0.0 && power.is_finite()) {
+            return None;
+        }
+        let mut bands = [0.0; WavelengthGrid::MAX_BANDS];
+        let (first, last) = range_nm(&spectrum);
+        for (band, lambda_nm) in bands.iter_mut().zip(GRID.wavelengths_nm()) {
+            if (first..=last).contains(&lambda_nm) {
+                *band = spectrum.at(lambda_nm) / power * GRID.step_nm();
+            }
+        }
+        Some(Self { lm_per_w: luminous_efficacy(&spectrum)?, spectrum, bands })
+    }
+
+    /// All power at one wavelength.
+    pub fn line(lambda_nm: f64) -> Self {
+        let mut bands = [0.0; WavelengthGrid::MAX_BANDS];
+        add_line(&mut bands, lambda_nm, 1.0);
+        let lm_per_w = cie::K_LM_PER_W * cie::v_lambda(lambda_nm);
+        Self { spectrum: from_bands(&bands), lm_per_w, bands }
+    }
+}
+
+/// Lumens that 1 W spread like `spectrum` makes, or `None` without power.
+///
+/// The power lies within the table's wavelengths, or within 380 to 780 nm if it is a constant.
+/// Trapezoids over the rows and the 5 nm bands.
+pub(super) fn luminous_efficacy(spectrum: &Spectrum) -> Option<f64> {
+    let weighted = spectrum.mapped(|nm, value| value * cie::v_lambda(nm));
+    let (first, last) = range_nm(spectrum);
+    let luminous = cie::K_LM_PER_W * trapezoid(&weighted, first, last);
+    let power = radiant_power(spectrum);
+    (power > 0.0 && luminous.is_finite()).then(|| luminous / power)
+}
+
+fn radiant_power(spectrum: &Spectrum) -> f64 {
+    let (first, last) = range_nm(spectrum);
+    trapezoid(&spectrum.mapped(|_, value| value), first, last)
+}
+
+fn range_nm(spectrum: &Spectrum) -> (f64, f64) {
+    match spectrum.wavelengths_nm() {
+        [first, .., last] => (*first, *last),
+        _ => (WavelengthGrid::FIRST_NM, WavelengthGrid::LAST_NM),
+    }
+}
+
+fn trapezoid(spectrum: &Spectrum, first_nm: f64, last_nm: f64) -> f64 {
+    let (nm, values) = (spectrum.wavelengths_nm(), spectrum.values());
+    if nm.len() < 2 {
+        return spectrum.at(first_nm) * (last_nm - first_nm);
+    }
+    let inside = |i: &usize| nm[*i] >= first_nm && nm[i + 1] <= last_nm;
+    let steps = (0..nm.len() - 1).filter(inside);
+    steps.map(|i| 0.5 * (values[i] + values[i + 1]) * (nm[i + 1] - nm[i])).sum()
+}
+
+/// Shares a power between the two nearest bands, so that its mean wavelength and its lumens by the
+/// table of V(λ), linear between bands, are kept. Returns false outside of 380 to 780 nm.
+fn add_line(bands: &mut Bands, lambda_nm: f64, power: f64) -> bool {
+    let place = (lambda_nm - WavelengthGrid::FIRST_NM) / GRID.step_nm();
+    if !(0.0..=(GRID.bands() - 1) as f64).contains(&place) {
+        return false;
+    }
+    let band = (place as usize).min(GRID.bands() - 2);
+    let t = place - band as f64;
+    bands[band] += power * (1.0 - t);
+    bands[band + 1] += power * t;
+    true
+}
+
+/// Power a band becomes power a nm.
+fn from_bands(bands: &Bands) -> Spectrum {
+    let rows = GRID.wavelengths_nm().zip(bands.iter().map(|power| power / GRID.step_nm()));
+    Spectrum::from_pairs("bands", rows).unwrap_or_else(|_| Spectrum::constant(0.0))
+}
+
+/// What reading a run of records sums up. Runs have a fixed length and are merged in the file's
+/// order, so that the sums do not depend on the number of threads.
+#[derive(Debug, Clone)]
+pub(super) struct Tally {
+    pub rays: u64,
+    /// Σ of the stored flux, in the file's unit.
+    pub flux: f64,
+    /// Σ of the samples' flux.
+    pub sample_flux: f64,
+    pub bands: Bands,
+    pub wavelengths_nm: Option<(f64, f64)>,
+    /// Rays with a wavelength outside of 380 to 780 nm.
+    pub invisible: u64,
+    pub off_unit: u64,
+    pub largest_direction_error: f64,
+}
+
+impl Default for Tally {
+    fn default() -> Self {
+        Self {
+            rays: 0,
+            flux: 0.0,
+            sample_flux: 0.0,
+            bands: [0.0; WavelengthGrid::MAX_BANDS],
+            wavelengths_nm: None,
+            invisible: 0,
+            off_unit: 0,
+            largest_direction_error: 0.0,
+        }
+    }
+}
+
+impl Tally {
+    /// Counts a record in and returns its sample, in lm if its spectrum allows.
+    #[inline]
+    pub fn add(
+        &mut self,
+        layout: &Layout,
+        unit: FluxUnit,
+        record: Record,
+    ) -> Result<RaySample, Flaw> {
+        let mut sample = record.sample;
+        match &layout.tag {
+            Tag::None => {}
+            Tag::Wavelength { nm_per_unit, .. } => {
+                let lambda_nm = wavelength(record.tag, *nm_per_unit).map_err(Flaw::Tag)?;
+                let lm_per_w = cie::K_LM_PER_W * cie::v_lambda(lambda_nm);
+                let watts = self.weigh(&mut sample, &record, unit, lm_per_w);
+                self.add_wavelength(lambda_nm, watts);
+            }
+            Tag::Table { tables, .. } => {
+                let table = table_of(record.tag, tables).map_err(Flaw::Tag)?;
+                let watts = self.weigh(&mut sample, &record, unit, table.lm_per_w);
+                for (sum, band) in self.bands.iter_mut().zip(&table.bands) {
+                    *sum += watts * band;
+                }
+            }
+        }
+        self.rays += 1;
+        self.flux += f64::from(record.sample.flux);
+        self.sample_flux += f64::from(sample.flux);
+        if record.direction_error > 0.0 {
+            self.off_unit += 1;
+            self.largest_direction_error = self.largest_direction_error.max(record.direction_error);
+        }
+        Ok(sample)
+    }
+
+    /// The ray's watts; turns the sample's flux into lumens if the file's are watts.
+    fn weigh(&self, sample: &mut RaySample, record: &Record, unit: FluxUnit, lm_per_w: f64) -> f64 {
+        let stored = f64::from(sample.flux);
+        if unit == FluxUnit::Watt {
+            sample.flux = (stored * lm_per_w) as f32;
+            return stored;
+        }
+        match record.radiant {
+            Some(watts) => f64::from(watts),
+            None if lm_per_w > 0.0 => stored / lm_per_w,
+            None => 0.0,
+        }
+    }
+
+    fn add_wavelength(&mut self, lambda_nm: f64, watts: f64) {
+        let (min, max) = self.wavelengths_nm.unwrap_or((lambda_nm, lambda_nm));
+        self.wavelengths_nm = Some((min.min(lambda_nm), max.max(lambda_nm)));
+        if !add_line(&mut self.bands, lambda_nm, watts) {
+            self.invisible += 1;
+        }
+    }
+
+    pub fn merge(&mut self, next: &Self) {
+        self.rays += next.rays;
+        self.flux += next.flux;
+        self.sample_flux += next.sample_flux;
+        for (sum, band) in self.bands.iter_mut().zip(&next.bands) {
+            *sum += band;
+        }
+        self.wavelengths_nm = match (self.wavelengths_nm, next.wavelengths_nm) {
+            (Some((a, b)), Some((c, d))) => Some((a.min(c), b.max(d))),
+            (one, other) => one.or(other),
+        };
+        self.invisible += next.invisible;
+        self.off_unit += next.off_unit;
+        self.largest_direction_error =
+            self.largest_direction_error.max(next.largest_direction_error);
+    }
+
+    /// The rays' mean spectrum, or `None` if no ray has power in 380 to 780 nm.
+    pub fn mean_spectrum(&self) -> Option<Spectrum> {
+        let total: f64 = self.bands.iter().sum();
+        (total > 0.0).then(|| from_bands(&self.bands.map(|band| band / total)))
+    }
+}
+
+fn wavelength(stored: f32, nm_per_unit: f64) -> Result<f64, TagFault> {
+    let lambda_nm = f64::from(stored) * nm_per_unit;
+    if lambda_nm.is_finite() && lambda_nm > 0.0 {
+        Ok(lambda_nm)
+    } else {
+        Err(TagFault::Wavelength(lambda_nm))
+    }
+}
+
+/// The 1-based index is an i32 by the standard and an f32 in files of the reference program. The
+/// bits tell which: as an f32, an i32 up to the number of tables is a denormal number.
+fn table_of(word: f32, tables: &[Table]) -> Result<&Table, TagFault> {
+    let fault = TagFault::Table { found: word, tables: tables.len() };
+    let bits = word.to_bits() as usize;
+    let index = if (1..=tables.len()).contains(&bits) { bits } else { word as usize };
+    if index != bits && index as f32 != word {
+        return Err(fault);
+    }
+    index.checked_sub(1).and_then(|i| tables.get(i)).ok_or(fault)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triangle() -> Spectrum {
+        Spectrum::from_pairs("t", [(500.0, 0.0), (550.0, 2.0), (600.0, 0.0)]).unwrap()
+    }
+
+    #[test]
+    fn efficacy_of_a_line_is_683_v() {
+        let line = Table::line(555.0);
+        assert!((line.lm_per_w - 683.0).abs() < 1e-9);
+        assert_eq!(Table::line(900.0).lm_per_w, 0.0);
+    }
+
+    /// ∫ S V of a triangle by a 0.01 nm midpoint sum.
+    #[test]
+    fn efficacy_of_a_table_is_its_integral() {
+        let s = triangle();
+        let (mut luminous, mut power) = (0.0, 0.0);
+        for i in 0..10_000 {
+            let nm = 500.005 + 0.01 * f64::from(i);
+            luminous += 683.0 * s.at(nm) * cie::v_lambda(nm) * 0.01;
+            power += s.at(nm) * 0.01;
+        }
+        // The trapezoid over 5 nm errs by h²/6 times the product of slopes, under 1e-4 here.
+        let expected = luminous / power;
+        assert!((luminous_efficacy(&s).unwrap() / expected - 1.0).abs() < 2e-4);
+        assert!((Table::new(s).unwrap().lm_per_w / expected - 1.0).abs() < 2e-4);
+    }
+
+    #[test]
+    fn a_constant_spectrum_spreads_over_the_visible() {
+        let sum: f64 = GRID.wavelengths_nm().map(cie::v_lambda).sum();
+        let expected = 683.0 * sum * 5.0 / 400.0;
+        let found = luminous_efficacy(&Spectrum::constant(0.3)).unwrap();
+        // V is below 4e-5 at both ends, where sum and trapezoid differ.
+        assert!((found / expected - 1.0).abs() < 1e-5, "{found} {expected}");
+    }
+
+    #[test]
+    fn a_table_without_power_is_none() {
+        let dark = Spectrum::from_pairs("t", [(500.0, 0.0), (550.0, 0.0)]).unwrap();
+        assert_eq!(Table::new(dark), None);
+    }
+
+    #[test]
+    fn lines_keep_their_lumens_and_mean_wavelength() {
+        for lambda_nm in [380.0, 383.7, 555.0, 612.3, 777.5, 780.0] {
+            let line = Table::line(lambda_nm);
+            let lumens = line.spectrum.luminous_flux(GRID);
+            assert!((lumens - line.lm_per_w).abs() <= 1e-9 * line.lm_per_w.max(1e-3));
+            let mean: f64 = GRID.wavelengths_nm().zip(line.bands).map(|(l, w)| l * w).sum();
+            assert!((mean - lambda_nm).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn table_index_as_integer_or_float() {
+        let tables = [Table::line(450.0), Table::line(600.0)];
+        assert_eq!(table_of(2.0, &tables), Ok(&tables[1]));
+        assert_eq!(table_of(f32::from_bits(1), &tables), Ok(&tables[0]));
+        for bad in [0.0, 3.0, 1.5, -1.0, f32::NAN, f32::INFINITY, f32::from_bits(3)] {
+            assert!(table_of(bad, &tables).is_err(), "{bad}");
+        }
+    }
+}

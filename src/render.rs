@@ -1,0 +1,282 @@
+//! Tiles, threads, samples a pixel; no physics.
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::image::SpectralImage;
+use crate::scene::Prepared;
+use crate::shading::{Bands, SpectralTables, TraceCounts, TraceLimits, TraceState, Tracer};
+use crate::spectrum::WavelengthGrid;
+use crate::view::{Camera, View};
+
+/// What a user trades for speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quality {
+    pub samples: Samples,
+    pub limits: TraceLimits,
+    pub grid: WavelengthGrid,
+}
+
+impl Default for Quality {
+    fn default() -> Self {
+        Self {
+            samples: Samples::Fixed(4),
+            limits: TraceLimits { max_depth: 8, min_throughput: 1e-3, light_error: 0.01 },
+            grid: WavelengthGrid::Step5,
+        }
+    }
+}
+
+/// Camera rays a pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Samples {
+    Fixed(u32),
+    /// From `min` on, until the standard error of the pixel's luminance relative to
+    /// max(pixel, image mean) is below `error`, or `max` is reached.
+    Adaptive {
+        min: u32,
+        max: u32,
+        error: f64,
+    },
+}
+
+/// Told of progress, and asked whether to go on; called from many threads.
+pub trait Watch: Sync {
+    fn pixels_done(&self, count: usize);
+    fn is_cancelled(&self) -> bool;
+}
+
+/// Watches nothing.
+#[derive(Debug, Clone, Copy)]
+pub struct Unwatched;
+
+impl Watch for Unwatched {
+    fn pixels_done(&self, _: usize) {}
+
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// What a render did.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct RenderStats {
+    pub counts: TraceCounts,
+    pub seconds: f64,
+    /// Estimated error of the light sums: of the image's mean luminance, relative to it.
+    pub light_error: f64,
+    /// The largest of a pixel, relative to max(pixel, image mean).
+    pub largest_light_error: f64,
+}
+
+/// Small enough to share pixels evenly among threads, large enough that tasks cost nothing.
+const PIXELS_A_TASK: usize = 64;
+
+/// The view's spectral radiance: same inputs, same bits, for any number of threads.
+///
+/// Errors: a light without luminous flux on the grid; [`Error::Interrupted`]; a radiance that is
+/// not finite, with its pixel.
+pub fn render(
+    prepared: &Prepared,
+    view: &View,
+    quality: &Quality,
+    watch: &dyn Watch,
+) -> Result<(SpectralImage, RenderStats)> {
+    let start = Instant::now();
+    let tables = SpectralTables::new(&prepared.scene, quality.grid)?;
+    let mut film = Film::new(view.pixels(), quality.grid.bands());
+    let renderer = Renderer {
+        tracer: Tracer { prepared, tables: &tables, limits: quality.limits },
+        camera: view.camera(),
+        width: view.width,
+        watch,
+    };
+    let (first, refinement) = match quality.samples {
+        Samples::Fixed(count) => (count, None),
+        Samples::Adaptive { min, max, error } => (min, Some((max, error))),
+    };
+    let mut counts = renderer.sample_until(&mut film, |pixel| pixel.count >= first)?;
+    if let Some((max, error)) = refinement {
+        let image_mean = film.mean_luminance();
+        let more = renderer.sample_until(&mut film, |pixel| {
+            pixel.count >= max || pixel.relative_error(image_mean) <= error
+        })?;
+        counts = counts + more;
+    }
+    let mean = film.mean_luminance();
+    let light_error = film.mean(|pixel| pixel.light_error / f64::from(pixel.count));
+    let relative =
+        |pixel: &PixelStats| pixel.light_error / f64::from(pixel.count) / pixel.mean.max(mean);
+    let stats = RenderStats {
+        counts,
+        seconds: start.elapsed().as_secs_f64(),
+        light_error: if mean > 0.0 { light_error / mean } else { 0.0 },
+        largest_light_error: film.pixels.iter().map(relative).fold(0.0, f64::max),
+    };
+    Ok((film.into_image(view, quality), stats))
+}
+
+/// Luminance statistics of a pixel's samples (Welford's recurrence).
+#[derive(Debug, Clone, Copy, Default)]
+struct PixelStats {
+    count: u32,
+    mean: f64,
+    /// Σ (Y − mean)².
+    squares: f64,
+    /// Σ of the samples' estimated light errors.
+    light_error: f64,
+}
+
+impl PixelStats {
+    fn add(&mut self, luminance: f64, light_error: f64) {
+        self.count += 1;
+        let before = luminance - self.mean;
+        self.mean += before / f64::from(self.count);
+        self.squares += before * (luminance - self.mean);
+        self.light_error += light_error;
+    }
+
+    /// Standard error of the mean, relative to max(pixel, image mean); infinite for one sample.
+    fn relative_error(&self, image_mean: f64) -> f64 {
+        let n = f64::from(self.count);
+        let scale = self.mean.max(image_mean);
+        if self.count < 2 {
+            f64::INFINITY
+        } else if scale == 0.0 {
+            0.0
+        } else {
+            (self.squares / (n - 1.0) / n).sqrt() / scale
+        }
+    }
+}
+
+/// The picture while it is taken: each pixel's mean spectrum and its statistics.
+struct Film {
+    bands: usize,
+    spectra: Vec<f32>,
+    pixels: Vec<PixelStats>,
+}
+
+impl Film {
+    fn new(pixels: usize, bands: usize) -> Self {
+        Self {
+            bands,
+            spectra: vec![0.0; pixels * bands],
+            pixels: vec![PixelStats::default(); pixels],
+        }
+    }
+
+    fn mean(&self, value: impl Fn(&PixelStats) -> f64) -> f64 {
+        self.pixels.iter().map(value).sum::<f64>() / self.pixels.len() as f64
+    }
+
+    fn mean_luminance(&self) -> f64 {
+        self.mean(|pixel| pixel.mean)
+    }
+
+    fn into_image(self, view: &View, quality: &Quality) -> SpectralImage {
+        let (error, samples) = match quality.samples {
+            Samples::Fixed(_) => (None, None),
+            Samples::Adaptive { .. } => {
+                let image_mean = self.mean_luminance();
+                let error = |pixel: &PixelStats| pixel.relative_error(image_mean) as f32;
+                let samples = |pixel: &PixelStats| pixel.count as f32;
+                (
+                    Some(self.pixels.iter().map(error).collect()),
+                    Some(self.pixels.iter().map(samples).collect()),
+                )
+            }
+        };
+        SpectralImage {
+            width: view.width,
+            height: view.height,
+            grid: quality.grid,
+            bands: self.spectra,
+            error,
+            samples,
+        }
+    }
+}
+
+struct Renderer<'a> {
+    tracer: Tracer<'a>,
+    camera: Camera,
+    width: usize,
+    watch: &'a dyn Watch,
+}
+
+impl Renderer<'_> {
+    /// Adds samples to every pixel until it is `enough`.
+    fn sample_until(
+        &self,
+        film: &mut Film,
+        enough: impl Fn(&PixelStats) -> bool + Sync,
+    ) -> Result<TraceCounts> {
+        let bands = film.bands;
+        let tasks = film
+            .spectra
+            .par_chunks_mut(PIXELS_A_TASK * bands)
+            .zip(film.pixels.par_chunks_mut(PIXELS_A_TASK))
+            .enumerate();
+        let counts = tasks.map(|(task, (spectra, pixels))| {
+            let mut state = TraceState::default();
+            let places = (task * PIXELS_A_TASK..).zip(spectra.chunks_mut(bands)).zip(&mut *pixels);
+            for ((pixel, spectrum), stats) in places {
+                if self.watch.is_cancelled() {
+                    return Err(Error::Interrupted);
+                }
+                self.sample_pixel(pixel, spectrum, stats, &enough, &mut state)?;
+            }
+            self.watch.pixels_done(pixels.len());
+            Ok(state.counts)
+        });
+        counts.try_reduce(TraceCounts::default, |a, b| Ok(a + b))
+    }
+
+    fn sample_pixel(
+        &self,
+        pixel: usize,
+        spectrum: &mut [f32],
+        stats: &mut PixelStats,
+        enough: &impl Fn(&PixelStats) -> bool,
+        state: &mut TraceState,
+    ) -> Result<()> {
+        if enough(stats) {
+            return Ok(());
+        }
+        let (x, y) = (pixel % self.width, pixel / self.width);
+        let mut sum = Bands::zero(spectrum.len());
+        for (sum, mean) in sum.as_mut_slice().iter_mut().zip(&*spectrum) {
+            *sum = f64::from(*mean) * f64::from(stats.count);
+        }
+        while !enough(stats) {
+            let [dx, dy] = sample_place(stats.count);
+            let ray = self.camera.ray(x as f64 + dx, y as f64 + dy);
+            let mut sample = Bands::zero(spectrum.len());
+            state.light_error = 0.0;
+            self.tracer.trace(ray, state, &mut sample);
+            let luminance = sample.dot(&self.tracer.tables.luminance_weights);
+            stats.add(luminance, state.light_error);
+            sum.add(&sample);
+        }
+        for (mean, sum) in spectrum.iter_mut().zip(sum.as_slice()) {
+            *mean = (sum / f64::from(stats.count)) as f32;
+            if !mean.is_finite() {
+                return Err(Error::inconsistent(
+                    "render",
+                    format!("radiance of pixel ({x}, {y}) is {mean} after sample {}", stats.count),
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where in a pixel its i-th sample lies, 0 to 1: the additive recurrence of the plastic number,
+/// evenly spread for every count, begun at the pixel's center.
+fn sample_place(i: u32) -> [f64; 2] {
+    const PLASTIC: f64 = 1.324_717_957_244_746;
+    [1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC)].map(|step| (0.5 + f64::from(i) * step).fract())
+}

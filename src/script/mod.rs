@@ -1,0 +1,65 @@
+//! The Lua side: state, sandbox, option tables, one binding file a topic.
+//!
+//! Bindings turn Lua values into the plain types of the other modules, call one function, and hand
+//! back an immutable handle. They are the only place that knows Lua.
+
+mod fault;
+mod host;
+mod options;
+mod sandbox;
+
+mod image;
+mod light;
+mod material;
+mod mesh;
+mod scene;
+mod spectrum;
+mod view;
+
+use std::path::Path;
+
+use mlua::{Lua, Table};
+
+pub use fault::ScriptFault;
+pub use host::{Host, Settings};
+
+/// Runs a script file.
+///
+/// Errors: [`ScriptFault`], one message for the script's user.
+pub fn run(script: &Path, settings: Settings) -> Result<(), ScriptFault> {
+    let source = std::fs::read(script).map_err(|e| ScriptFault::unreadable(script, e))?;
+    let lua = state(script, settings)?;
+    let chunk_name = format!("@{}", script.display());
+    let done = lua.load(source).set_name(chunk_name).set_mode(mlua::ChunkMode::Text).exec();
+    let host = host::of(&lua)?;
+    host.print_warnings();
+    done.map_err(|error| fault::from_lua(error, &host))
+}
+
+/// A sandboxed state with the module `lampyris` ready to be required.
+fn state(script: &Path, settings: Settings) -> Result<Lua, ScriptFault> {
+    let lua = sandbox::new_state().map_err(ScriptFault::internal)?;
+    let host = Host::new(script, settings);
+    let prepare = || -> mlua::Result<()> {
+        sandbox::limit(&lua, &host)?;
+        lua.set_app_data(host);
+        let module = module(&lua)?;
+        sandbox::install_require(&lua, module)
+    };
+    prepare().map_err(ScriptFault::internal)?;
+    Ok(lua)
+}
+
+/// The table that `require "lampyris"` returns.
+fn module(lua: &Lua) -> mlua::Result<Table> {
+    let module = lua.create_table()?;
+    module.set("version", env!("CARGO_PKG_VERSION"))?;
+    spectrum::register(lua, &module)?;
+    mesh::register(lua, &module)?;
+    material::register(lua, &module)?;
+    light::register(lua, &module)?;
+    view::register(lua, &module)?;
+    scene::register(lua, &module)?;
+    fault::refuse_unknown_names(lua, &module, "lampyris")?;
+    Ok(module)
+}

@@ -1,0 +1,400 @@
+//! Reads option tables: known keys, types, ranges.
+
+use std::fmt;
+use std::sync::Arc;
+
+use glam::DVec3;
+use mlua::{AnyUserData, MultiValue, Table, UserData, Value};
+
+use super::fault::{key_text, unknown_key};
+use super::spectrum::LuaSpectrum;
+use crate::error::Error;
+use crate::spectrum::Spectrum;
+
+/// Which numbers are allowed, with their unit for the message.
+#[derive(Debug, Clone, Copy)]
+pub struct Range {
+    pub min: f64,
+    pub max: f64,
+    pub unit: &'static str,
+    /// Whether `min` and `max` themselves are left out.
+    pub ends: Ends,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ends {
+    Included,
+    Excluded,
+    MinExcluded,
+}
+
+impl Range {
+    pub const ANY: Self = Self::new(f64::NEG_INFINITY, f64::INFINITY, "");
+    pub const RATIO: Self = Self::new(0.0, 1.0, "");
+    pub const NOT_NEGATIVE: Self = Self::new(0.0, f64::INFINITY, "");
+
+    pub const fn new(min: f64, max: f64, unit: &'static str) -> Self {
+        Self { min, max, unit, ends: Ends::Included }
+    }
+
+    pub const fn above_zero(unit: &'static str) -> Self {
+        Self { min: 0.0, max: f64::INFINITY, unit, ends: Ends::MinExcluded }
+    }
+
+    pub const fn between(min: f64, max: f64, unit: &'static str) -> Self {
+        Self { min, max, unit, ends: Ends::Excluded }
+    }
+
+    fn contains(&self, value: f64) -> bool {
+        let above = if self.ends == Ends::Included { value >= self.min } else { value > self.min };
+        let below = if self.ends == Ends::Excluded { value < self.max } else { value <= self.max };
+        value.is_finite() && above && below
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let excluded = self.ends != Ends::Included;
+        match (self.min.is_finite(), self.max.is_finite()) {
+            (false, _) => write!(f, "finite numbers"),
+            (true, false) if excluded => write!(f, "above {}", self.min),
+            (true, false) => write!(f, "{} or more", self.min),
+            (true, true) if excluded => write!(f, "between {} and {}", self.min, self.max),
+            (true, true) => write!(f, "{} to {}", self.min, self.max),
+        }?;
+        if self.unit.is_empty() { Ok(()) } else { write!(f, " {}", self.unit) }
+    }
+}
+
+/// A table of named options whose keys are all known.
+pub struct Options {
+    object: String,
+    table: Option<Table>,
+}
+
+impl Options {
+    /// Errors: not a table (nil stands for an empty one), a key that is not in `known`.
+    pub fn new(object: &str, value: Value, known: &[&str]) -> mlua::Result<Self> {
+        let table = match value {
+            Value::Nil => None,
+            Value::Table(table) => Some(table),
+            other => return Err(wrong_type(object, "argument", &other, "a table of options").into()),
+        };
+        for pair in table.iter().flat_map(|t| t.pairs::<Value, Value>()) {
+            let (key, _) = pair?;
+            let text = key_text(&key);
+            if !(key.is_string() && known.contains(&text.as_str())) {
+                return Err(unknown_key(object, &text, known).into());
+            }
+        }
+        Ok(Self { object: object.to_owned(), table })
+    }
+
+    pub fn object(&self) -> &str {
+        &self.object
+    }
+
+    /// The raw value; nil where the script gives none.
+    pub fn value(&self, key: &str) -> mlua::Result<Value> {
+        self.table.as_ref().map_or(Ok(Value::Nil), |table| table.raw_get(key))
+    }
+
+    pub fn has(&self, key: &str) -> mlua::Result<bool> {
+        Ok(!self.value(key)?.is_nil())
+    }
+
+    fn missing(&self, key: &str, expected: &str) -> mlua::Error {
+        Error::MissingKey {
+            object: self.object.clone(),
+            key: key.to_owned(),
+            expected: format!("expected {expected}"),
+        }
+        .into()
+    }
+
+    fn quoted(key: &str) -> String {
+        format!("\"{key}\"")
+    }
+
+    pub fn number(&self, key: &str, range: Range) -> mlua::Result<Option<f64>> {
+        match self.value(key)? {
+            Value::Nil => Ok(None),
+            value => number(&self.object, &Self::quoted(key), &value, range).map(Some),
+        }
+    }
+
+    pub fn number_or(&self, key: &str, range: Range, default: f64) -> mlua::Result<f64> {
+        Ok(self.number(key, range)?.unwrap_or(default))
+    }
+
+    pub fn required_number(&self, key: &str, range: Range) -> mlua::Result<f64> {
+        self.number(key, range)?.ok_or_else(|| self.missing(key, &format!("a number, {range}")))
+    }
+
+    /// A whole number.
+    pub fn count(&self, key: &str, min: u64, max: u64) -> mlua::Result<Option<u64>> {
+        match self.value(key)? {
+            Value::Nil => Ok(None),
+            value => count(&self.object, &Self::quoted(key), &value, min, max).map(Some),
+        }
+    }
+
+    pub fn flag(&self, key: &str, default: bool) -> mlua::Result<bool> {
+        match self.value(key)? {
+            Value::Nil => Ok(default),
+            Value::Boolean(flag) => Ok(flag),
+            other => {
+                Err(wrong_type(&self.object, &Self::quoted(key), &other, "true or false").into())
+            }
+        }
+    }
+
+    pub fn text(&self, key: &str) -> mlua::Result<Option<String>> {
+        match self.value(key)? {
+            Value::Nil => Ok(None),
+            value => text(&self.object, &Self::quoted(key), &value).map(Some),
+        }
+    }
+
+    pub fn required_text(&self, key: &str, expected: &str) -> mlua::Result<String> {
+        self.text(key)?.ok_or_else(|| self.missing(key, expected))
+    }
+
+    /// One of a fixed set of words.
+    pub fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> mlua::Result<Option<T>> {
+        let Some(word) = self.text(key)? else {
+            return Ok(None);
+        };
+        choice(&self.object, &Self::quoted(key), &word, choices).map(Some)
+    }
+
+    pub fn vector(&self, key: &str) -> mlua::Result<Option<DVec3>> {
+        match self.value(key)? {
+            Value::Nil => Ok(None),
+            value => vector(&self.object, &Self::quoted(key), &value).map(Some),
+        }
+    }
+
+    /// A spectrum, or a number for a constant one.
+    pub fn spectrum(&self, key: &str) -> mlua::Result<Option<Spectrum>> {
+        match self.value(key)? {
+            Value::Nil => Ok(None),
+            value => spectrum(&self.object, &Self::quoted(key), &value).map(Some),
+        }
+    }
+
+    pub fn handle<T: UserData + Clone + 'static>(
+        &self,
+        key: &str,
+        expected: &str,
+    ) -> mlua::Result<Option<T>> {
+        match self.value(key)? {
+            Value::Nil => Ok(None),
+            value => handle(&self.object, &Self::quoted(key), &value, expected).map(Some),
+        }
+    }
+
+    pub fn required_handle<T: UserData + Clone + 'static>(
+        &self,
+        key: &str,
+        expected: &str,
+    ) -> mlua::Result<T> {
+        self.handle(key, expected)?.ok_or_else(|| self.missing(key, expected))
+    }
+
+    /// The entries of a list, as values; `None` where the script gives none.
+    pub fn list(&self, key: &str, expected: &str) -> mlua::Result<Option<Vec<Value>>> {
+        match self.value(key)? {
+            Value::Nil => Ok(None),
+            value => list(&self.object, &Self::quoted(key), &value, expected).map(Some),
+        }
+    }
+
+    pub fn required_list(&self, key: &str, expected: &str) -> mlua::Result<Vec<Value>> {
+        self.list(key, expected)?.ok_or_else(|| self.missing(key, expected))
+    }
+
+    pub fn function(&self, key: &str) -> mlua::Result<Option<mlua::Function>> {
+        match self.value(key)? {
+            Value::Nil => Ok(None),
+            Value::Function(function) => Ok(Some(function)),
+            other => {
+                Err(wrong_type(&self.object, &Self::quoted(key), &other, "a function").into())
+            }
+        }
+    }
+
+    pub fn required_function(&self, key: &str, expected: &str) -> mlua::Result<mlua::Function> {
+        self.function(key)?.ok_or_else(|| self.missing(key, expected))
+    }
+}
+
+/// What a value is, for a message.
+pub fn describe(value: &Value) -> String {
+    match value {
+        Value::Nil => "nil".to_owned(),
+        Value::Boolean(flag) => flag.to_string(),
+        Value::Integer(_) | Value::Number(_) => {
+            format!("the number {}", value.to_string().unwrap_or_default())
+        }
+        Value::String(text) => format!("the string \"{}\"", text.to_string_lossy()),
+        Value::UserData(_) => value.to_string().unwrap_or_else(|_| "a handle".to_owned()),
+        other => format!("a {}", other.type_name()),
+    }
+}
+
+pub fn wrong_type(object: &str, what: &str, found: &Value, expected: &str) -> Error {
+    Error::WrongType {
+        object: object.to_owned(),
+        what: what.to_owned(),
+        found: describe(found),
+        expected: expected.to_owned(),
+    }
+}
+
+/// A number in range.
+pub fn number(object: &str, what: &str, value: &Value, range: Range) -> mlua::Result<f64> {
+    let number = match value {
+        Value::Integer(i) => *i as f64,
+        Value::Number(n) => *n,
+        other => return Err(wrong_type(object, what, other, "a number").into()),
+    };
+    if range.contains(number) {
+        return Ok(number);
+    }
+    Err(Error::out_of_range(object, what, number, range.to_string()).into())
+}
+
+/// A whole number in range.
+pub fn count(object: &str, what: &str, value: &Value, min: u64, max: u64) -> mlua::Result<u64> {
+    let allowed = || format!("whole numbers, {min} to {max}");
+    let given = number(object, what, value, Range::ANY)?;
+    if given.fract() == 0.0 && (min as f64..=max as f64).contains(&given) {
+        return Ok(given as u64);
+    }
+    Err(Error::out_of_range(object, what, given, allowed()).into())
+}
+
+pub fn text(object: &str, what: &str, value: &Value) -> mlua::Result<String> {
+    match value {
+        Value::String(text) => Ok(text.to_string_lossy()),
+        other => Err(wrong_type(object, what, other, "a string").into()),
+    }
+}
+
+/// One of a fixed set of words.
+pub fn choice<T: Copy>(
+    object: &str,
+    what: &str,
+    word: &str,
+    choices: &[(&str, T)],
+) -> mlua::Result<T> {
+    if let Some((_, value)) = choices.iter().find(|(name, _)| *name == word) {
+        return Ok(*value);
+    }
+    let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
+    let quoted: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
+    let hint = super::fault::nearest(word, &names);
+    let found = format!("\"{word}\"{hint}");
+    Err(Error::out_of_range(object, what, found, quoted.join(", ")).into())
+}
+
+/// `{x, y, z}`.
+pub fn vector(object: &str, what: &str, value: &Value) -> mlua::Result<DVec3> {
+    let entries = list(object, what, value, "a vector {x, y, z}")?;
+    let [x, y, z] = entries.as_slice() else {
+        let found = format!("{what} has {} entries", entries.len());
+        return Err(Error::inconsistent(object, format!("{found}, expected {{x, y, z}}")).into());
+    };
+    let part = |value: &Value| number(object, what, value, Range::ANY);
+    Ok(DVec3::new(part(x)?, part(y)?, part(z)?))
+}
+
+/// The entries of a table without other keys.
+pub fn list(object: &str, what: &str, value: &Value, expected: &str) -> mlua::Result<Vec<Value>> {
+    let Value::Table(table) = value else {
+        return Err(wrong_type(object, what, value, expected).into());
+    };
+    let entries: Vec<Value> = table.sequence_values().collect::<mlua::Result<_>>()?;
+    let mut pairs = 0;
+    for pair in table.pairs::<Value, Value>() {
+        let (key, _) = pair?;
+        pairs += 1;
+        if !key.is_integer() {
+            let found = format!("{what} has the key \"{}\"", key_text(&key));
+            return Err(Error::inconsistent(object, format!("{found}, expected {expected}")).into());
+        }
+    }
+    if pairs != entries.len() {
+        let gap = format!("{what} has a gap after entry {}", entries.len());
+        return Err(Error::inconsistent(object, gap).into());
+    }
+    Ok(entries)
+}
+
+/// A spectrum, or a number for a constant one.
+pub fn spectrum(object: &str, what: &str, value: &Value) -> mlua::Result<Spectrum> {
+    match value {
+        Value::Integer(_) | Value::Number(_) => {
+            number(object, what, value, Range::ANY).map(Spectrum::constant)
+        }
+        other => {
+            let handle: LuaSpectrum = handle(object, what, other, "a spectrum or a number")?;
+            Ok(Arc::unwrap_or_clone(handle.0))
+        }
+    }
+}
+
+/// One of our immutable handles.
+pub fn handle<T: UserData + Clone + 'static>(
+    object: &str,
+    what: &str,
+    value: &Value,
+    expected: &str,
+) -> mlua::Result<T> {
+    let found = match value {
+        Value::UserData(data) => borrowed::<T>(data),
+        _ => None,
+    };
+    found.ok_or_else(|| wrong_type(object, what, value, expected).into())
+}
+
+fn borrowed<T: UserData + Clone + 'static>(data: &AnyUserData) -> Option<T> {
+    data.borrow::<T>().ok().map(|handle| handle.clone())
+}
+
+/// The arguments of a call, in order; missing ones are nil.
+pub struct Arguments {
+    object: &'static str,
+    values: std::vec::IntoIter<Value>,
+}
+
+impl Arguments {
+    /// Errors: more than `most` arguments.
+    pub fn new(object: &'static str, values: MultiValue, most: usize) -> mlua::Result<Self> {
+        let count = values.len();
+        if count > most {
+            let problem = format!("{count} arguments, expected at most {most}");
+            return Err(Error::inconsistent(object, problem).into());
+        }
+        Ok(Self { object, values: values.into_vec().into_iter() })
+    }
+
+    pub fn value(&mut self) -> Value {
+        self.values.next().unwrap_or(Value::Nil)
+    }
+
+    pub fn number(&mut self, what: &str, range: Range) -> mlua::Result<f64> {
+        let value = self.value();
+        number(self.object, what, &value, range)
+    }
+
+    pub fn text(&mut self, what: &str) -> mlua::Result<String> {
+        let value = self.value();
+        text(self.object, what, &value)
+    }
+
+    pub fn options(&mut self, known: &[&str]) -> mlua::Result<Options> {
+        Options::new(self.object, self.value(), known)
+    }
+}

@@ -1,0 +1,151 @@
+//! A Lua state that cannot reach the system.
+
+use mlua::{ChunkMode, HookTriggers, Lua, LuaOptions, MultiValue, StdLib, Table, Value, VmState};
+
+use super::fault;
+use super::host::{self, Host};
+use crate::error::Error;
+
+/// Names that stay in `os` and `io`; the rest runs programs or opens files.
+const OS_KEPT: [&str; 4] = ["clock", "date", "difftime", "time"];
+const IO_KEPT: [&str; 1] = ["write"];
+/// Globals that read files.
+const GLOBALS_REMOVED: [&str; 2] = ["dofile", "loadfile"];
+
+/// Instructions between two looks for Ctrl-C: far below what a person notices, far above what the
+/// look costs.
+const INTERRUPT_INTERVAL: u32 = 10_000;
+
+/// A state with the harmless part of the standard library.
+pub(super) fn new_state() -> mlua::Result<Lua> {
+    let libraries = StdLib::COROUTINE
+        | StdLib::TABLE
+        | StdLib::STRING
+        | StdLib::UTF8
+        | StdLib::MATH
+        | StdLib::OS
+        | StdLib::IO;
+    let lua = Lua::new_with(libraries, LuaOptions::default())?;
+    let globals = lua.globals();
+    keep_only(&globals.get("os")?, &OS_KEPT)?;
+    keep_only(&globals.get("io")?, &IO_KEPT)?;
+    for name in GLOBALS_REMOVED {
+        globals.set(name, Value::Nil)?;
+    }
+    globals.get::<Table>("string")?.set("dump", Value::Nil)?;
+    globals.set("load", lua.create_function(load_text)?)?;
+    Ok(lua)
+}
+
+fn keep_only(table: &Table, kept: &[&str]) -> mlua::Result<()> {
+    let mut removed = Vec::new();
+    for pair in table.pairs::<String, Value>() {
+        let (name, _) = pair?;
+        if !kept.contains(&name.as_str()) {
+            removed.push(name);
+        }
+    }
+    removed.into_iter().try_for_each(|name| table.set(name, Value::Nil))
+}
+
+/// `load` of text only: a binary chunk could break out of the virtual machine.
+fn load_text(lua: &Lua, arguments: MultiValue) -> mlua::Result<MultiValue> {
+    let mut arguments = arguments.into_iter();
+    let chunk = arguments.next().unwrap_or(Value::Nil);
+    let name = arguments.next().and_then(|v| v.as_string().map(|s| s.to_string_lossy()));
+    let environment = arguments.nth(1);
+    let source = chunk_text(chunk)?;
+    let mut chunk = lua.load(source).set_mode(ChunkMode::Text);
+    chunk = chunk.set_name(name.unwrap_or_else(|| "=(load)".to_owned()));
+    if let Some(Value::Table(environment)) = environment {
+        chunk = chunk.set_environment(environment);
+    }
+    let results = match chunk.into_function() {
+        Ok(function) => vec![Value::Function(function)],
+        Err(error) => {
+            let message = error.to_string();
+            vec![Value::Nil, Value::String(lua.create_string(message)?)]
+        }
+    };
+    Ok(MultiValue::from_vec(results))
+}
+
+/// A string, or the pieces that a function returns until it returns nothing.
+fn chunk_text(chunk: Value) -> mlua::Result<Vec<u8>> {
+    match chunk {
+        Value::String(text) => Ok(text.as_bytes().to_vec()),
+        Value::Function(reader) => {
+            let mut text = Vec::new();
+            while let Some(piece) = reader.call::<Option<mlua::String>>(())? {
+                if piece.as_bytes().is_empty() {
+                    break;
+                }
+                text.extend_from_slice(&piece.as_bytes());
+            }
+            Ok(text)
+        }
+        other => Err(mlua::Error::runtime(format!(
+            "load: chunk is a {}, expected a string or a function",
+            other.type_name()
+        ))),
+    }
+}
+
+/// Ends the script at Ctrl-C, and hands it its arguments.
+pub(super) fn limit(lua: &Lua, host: &Host) -> mlua::Result<()> {
+    let interrupted = host.settings.interrupted.clone();
+    let triggers = HookTriggers::new().every_nth_instruction(INTERRUPT_INTERVAL);
+    lua.set_global_hook(triggers, move |_, _| {
+        if interrupted.load(std::sync::atomic::Ordering::Relaxed) {
+            return Err(Error::Interrupted.into());
+        }
+        Ok(VmState::Continue)
+    })?;
+    let arguments = lua.create_sequence_from(host.settings.arguments.iter().map(String::as_str))?;
+    arguments.set(0, host.script.display().to_string())?;
+    lua.globals().set("arg", arguments)
+}
+
+/// `require`: the module `lampyris`, and Lua files next to the script.
+pub(super) fn install_require(lua: &Lua, module: Table) -> mlua::Result<()> {
+    let loaded = lua.create_table()?;
+    loaded.set("lampyris", module)?;
+    let require = fault::function(lua, move |lua, arguments| {
+        let name = match arguments.into_iter().next() {
+            Some(Value::String(name)) => name.to_string_lossy(),
+            other => {
+                return Err(Error::WrongType {
+                    object: "require".to_owned(),
+                    what: "name".to_owned(),
+                    found: other.map_or("nil", |v| v.type_name()).to_owned(),
+                    expected: "a string".to_owned(),
+                }
+                .into());
+            }
+        };
+        let known: Value = loaded.get(name.as_str())?;
+        if !known.is_nil() {
+            return Ok(known);
+        }
+        let value = load_module(lua, &name)?;
+        let value = if value.is_nil() { Value::Boolean(true) } else { value };
+        loaded.set(name, &value)?;
+        Ok(value)
+    })?;
+    lua.globals().set("require", require)
+}
+
+fn load_module(lua: &Lua, name: &str) -> mlua::Result<Value> {
+    let plain = name.split('.').all(|part| {
+        !part.is_empty() && part.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-')
+    });
+    if !plain {
+        let allowed = "names of letters, digits, _ and -, joined by dots";
+        return Err(Error::out_of_range("require", "name", format!("\"{name}\""), allowed).into());
+    }
+    let host = host::of(lua)?;
+    let path = host.script_folder().join(format!("{}.lua", name.replace('.', "/")));
+    let source = std::fs::read(&path).map_err(|e| Error::io(&path, e))?;
+    let chunk = lua.load(source).set_name(format!("@{}", path.display()));
+    chunk.set_mode(ChunkMode::Text).call(name)
+}

@@ -1,0 +1,147 @@
+//! `lampyris.spectrum`.
+
+use std::sync::Arc;
+
+use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
+
+use super::options::{self, Arguments, Range};
+use super::{fault, host};
+use crate::error::Error;
+use crate::spectrum::{Spectrum, WavelengthGrid, cie};
+
+/// Handle of a spectrum.
+#[derive(Debug, Clone)]
+pub struct LuaSpectrum(pub Arc<Spectrum>);
+
+const NAMES: [&str; 5] = ["at", "values", "xyz", "xy", "luminous_flux"];
+
+pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
+    let table = lua.create_table()?;
+    table.set("load", fault::function(lua, |lua, a| load(lua, Arguments::new("spectrum.load", a, 2)?))?)?;
+    table.set("new", fault::function(lua, |_, a| from_pairs(Arguments::new("spectrum.new", a, 1)?))?)?;
+    table.set(
+        "constant",
+        fault::function(lua, |_, a| {
+            let mut arguments = Arguments::new("spectrum.constant", a, 1)?;
+            Ok(new_handle(Spectrum::constant(arguments.number("value", Range::ANY)?)))
+        })?,
+    )?;
+    table.set(
+        "blackbody",
+        fault::function(lua, |_, a| {
+            let mut arguments = Arguments::new("spectrum.blackbody", a, 1)?;
+            let kelvin = arguments.number("temperature", Range::new(100.0, 1e9, "K"))?;
+            Ok(new_handle(Spectrum::blackbody(kelvin)))
+        })?,
+    )?;
+    table.set(
+        "illuminant",
+        fault::function(lua, |_, a| {
+            let mut arguments = Arguments::new("spectrum.illuminant", a, 1)?;
+            let name = arguments.text("name")?;
+            let known = cie::ILLUMINANTS.map(|n| (n, n));
+            let name = options::choice("spectrum.illuminant", "name", &name, &known)?;
+            Ok(cie::illuminant(name).map(new_handle))
+        })?,
+    )?;
+    fault::refuse_unknown_names(lua, &table, "lampyris.spectrum")?;
+    module.set("spectrum", table)
+}
+
+fn new_handle(spectrum: Spectrum) -> LuaSpectrum {
+    LuaSpectrum(Arc::new(spectrum))
+}
+
+fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaSpectrum> {
+    let path = arguments.text("path")?;
+    let options = arguments.options(&["column"])?;
+    let column = options.count("column", 2, 1000)?.unwrap_or(2);
+    let path = host::of(lua)?.input(&path);
+    Ok(new_handle(Spectrum::from_csv(&path, column as usize)?))
+}
+
+fn from_pairs(mut arguments: Arguments) -> mlua::Result<LuaSpectrum> {
+    const OBJECT: &str = "spectrum.new";
+    let rows = options::list(OBJECT, "argument", &arguments.value(), "a list of {nm, value}")?;
+    let mut pairs = Vec::with_capacity(rows.len());
+    for (at, row) in (1..).zip(&rows) {
+        let what = format!("row {at}");
+        let cells = options::list(OBJECT, &what, row, "{nm, value}")?;
+        let [lambda_nm, value] = cells.as_slice() else {
+            let problem = format!("{what} has {} entries, expected {{nm, value}}", cells.len());
+            return Err(Error::inconsistent(OBJECT, problem).into());
+        };
+        let finite = |value: &Value| options::number(OBJECT, &what, value, Range::ANY);
+        pairs.push((finite(lambda_nm)?, finite(value)?));
+    }
+    Ok(new_handle(Spectrum::from_pairs(OBJECT, pairs)?))
+}
+
+/// 5, 10 or 20 nm.
+pub(super) fn grid_from_step(object: &str, what: &str, value: &Value) -> mlua::Result<WavelengthGrid> {
+    let step = options::number(object, what, value, Range::ANY)?;
+    let grids = [WavelengthGrid::Step5, WavelengthGrid::Step10, WavelengthGrid::Step20];
+    let grid = grids.into_iter().find(|grid| grid.step_nm() == step);
+    grid.ok_or_else(|| Error::out_of_range(object, what, step, "5, 10 or 20 nm").into())
+}
+
+impl UserData for LuaSpectrum {
+    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
+        fault::method(methods, "at", |_, this: &Self, a| {
+            let lambda = Range::above_zero("nm");
+            Ok(this.0.at(Arguments::new("spectrum:at", a, 1)?.number("wavelength", lambda)?))
+        });
+        fault::method(methods, "values", |_, this: &Self, a| {
+            let grid = match Arguments::new("spectrum:values", a, 1)?.value() {
+                Value::Nil => WavelengthGrid::Step5,
+                step => grid_from_step("spectrum:values", "step", &step)?,
+            };
+            Ok(this.0.on_grid(grid))
+        });
+        fault::method(methods, "xyz", |_, this: &Self, _| {
+            let xyz = this.0.xyz();
+            Ok((xyz.x, xyz.y, xyz.z))
+        });
+        fault::method(methods, "xy", |_, this: &Self, _| {
+            let [x, y] = this.0.xyz().chromaticity().ok_or_else(|| {
+                Error::inconsistent("spectrum:xy", "spectrum is black, which has no chromaticity")
+            })?;
+            Ok((x, y))
+        });
+        fault::method(methods, "luminous_flux", |_, this: &Self, _| {
+            Ok(this.0.luminous_flux(WavelengthGrid::Step5))
+        });
+        methods.add_meta_function(MetaMethod::Mul, |_, (a, b): (Value, Value)| {
+            combine("spectrum *", &a, &b, Spectrum::product)
+        });
+        methods.add_meta_function(MetaMethod::Add, |_, (a, b): (Value, Value)| {
+            combine("spectrum +", &a, &b, Spectrum::sum)
+        });
+        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| Ok(summary(&this.0)));
+        fault::refuse_unknown_fields(methods, "spectrum", &NAMES);
+    }
+}
+
+fn combine(
+    object: &str,
+    a: &Value,
+    b: &Value,
+    f: impl Fn(&Spectrum, &Spectrum) -> Spectrum,
+) -> mlua::Result<LuaSpectrum> {
+    let operand = |value: &Value| options::spectrum(object, "operand", value);
+    Ok(new_handle(f(&operand(a)?, &operand(b)?)))
+}
+
+fn summary(spectrum: &Spectrum) -> String {
+    let lambda_nm = spectrum.wavelengths_nm();
+    match lambda_nm {
+        [_] => format!("spectrum: constant {}", spectrum.values()[0]),
+        [first, .., last] => format!(
+            "spectrum: {first} to {last} nm, {} rows, {} to {}",
+            lambda_nm.len(),
+            spectrum.min(),
+            spectrum.max()
+        ),
+        [] => "spectrum: empty".to_owned(),
+    }
+}

@@ -1,0 +1,112 @@
+//! I_local: the sum over light samples and the ambient term (eq. 2, 9).
+
+use std::cell::Cell;
+
+use super::{Bands, MaterialTables, Side, SurfacePoint, TraceState, Tracer};
+use crate::geometry::DVec3;
+use crate::light::sum::{HitQuery, LightSum};
+
+impl Tracer<'_> {
+    pub(super) fn add_local(
+        &self,
+        surface: &SurfacePoint,
+        throughput: &Bands,
+        state: &mut TraceState,
+        sum: &mut Bands,
+    ) {
+        let scene = &self.prepared.scene;
+        let material = &scene.materials[surface.material.0];
+        let tables = &self.tables.materials[surface.material.0];
+        if self.tables.has_ambient && material.k_a > 0.0 {
+            self.add_ambient(material.k_a, tables, throughput, sum);
+        }
+        let query = HitQuery {
+            point: surface.departure.point,
+            normal: surface.normal,
+            view: surface.view,
+            lobes: &material.lobes,
+            photometry: scene.photometry,
+            reflects: tables.reflects,
+            transmits: tables.transmits && surface.side == Side::Front,
+        };
+        if !(query.reflects || query.transmits) {
+            return;
+        }
+        for light in 0..scene.lights.len() {
+            let answer = self.light_sum(light, &query, surface, state);
+            state.counts.light_sums += 1;
+            state.counts.light_nodes += u64::from(answer.nodes);
+            state.counts.light_samples += u64::from(answer.samples);
+            let power = &self.tables.lights[light];
+            add_light(&answer, power, tables, throughput, sum);
+            if answer.reflected_error + answer.transmitted_error > 0.0 {
+                state.light_error += self.luminance_error(&answer, power, tables, throughput);
+            }
+        }
+    }
+
+    fn light_sum(
+        &self,
+        light: usize,
+        query: &HitQuery,
+        surface: &SurfacePoint,
+        state: &mut TraceState,
+    ) -> LightSum {
+        let tree = &self.prepared.light_trees[light];
+        if !self.casts_shadows() {
+            return tree.sum(query, self.limits.light_error, None);
+        }
+        let asked = Cell::new(0);
+        let visible = |position: DVec3| {
+            asked.set(asked.get() + 1);
+            let from = surface.departure.toward(position - surface.departure.point);
+            let leaving = Some(surface.triangle);
+            !self.prepared.bvh.is_occluded(from, position, leaving, &self.prepared.blocks)
+        };
+        let answer = tree.sum(query, self.limits.light_error, Some(&visible));
+        state.counts.shadow_rays += asked.get();
+        answer
+    }
+
+    /// k_a I_a(λ) F_r(λ), on both sides.
+    fn add_ambient(&self, k_a: f64, tables: &MaterialTables, throughput: &Bands, sum: &mut Bands) {
+        let mut weight = throughput.clone();
+        weight.scale_by(k_a, &tables.reflectance);
+        sum.add_product(&weight, &self.tables.ambient);
+    }
+
+    /// Y of the estimated errors, as it reaches the camera.
+    fn luminance_error(
+        &self,
+        answer: &LightSum,
+        power: &Bands,
+        tables: &MaterialTables,
+        throughput: &Bands,
+    ) -> f64 {
+        let mut error = Bands::zero(self.tables.bands);
+        let bounds = LightSum {
+            reflected: answer.reflected_error,
+            transmitted: answer.transmitted_error,
+            ..LightSum::default()
+        };
+        add_light(&bounds, power, tables, throughput, &mut error);
+        error.dot(&self.tables.luminance_weights)
+    }
+}
+
+/// I_i(λ) Σ …: the scalar sums times spectra.
+fn add_light(
+    answer: &LightSum,
+    power: &Bands,
+    tables: &MaterialTables,
+    throughput: &Bands,
+    sum: &mut Bands,
+) {
+    let sum = sum.as_mut_slice();
+    let (power, throughput) = (power.as_slice(), throughput.as_slice());
+    let (f_r, f_t) = (tables.reflectance.as_slice(), tables.transmittance.as_slice());
+    for band in 0..sum.len() {
+        let returned = f_r[band] * answer.reflected + f_t[band] * answer.transmitted;
+        sum[band] += throughput[band] * power[band] * returned;
+    }
+}

@@ -1,0 +1,87 @@
+//! The scene's spectra at the bands of one render.
+
+use super::Bands;
+use crate::error::Result;
+use crate::material::Material;
+use crate::scene::Scene;
+use crate::spectrum::{Spectrum, WavelengthGrid, cie};
+
+/// Every spectrum of a scene, resampled once before the first ray.
+#[derive(Debug)]
+pub struct SpectralTables {
+    pub bands: usize,
+    pub materials: Vec<MaterialTables>,
+    /// I_norm(λ) in W/nm a lm, one a light (eq. 12).
+    pub lights: Vec<Bands>,
+    pub background: Bands,
+    pub ambient: Bands,
+    pub has_ambient: bool,
+    /// 683 ȳ(λ) Δλ: Y of a spectrum is its product with this.
+    pub luminance_weights: Bands,
+}
+
+#[derive(Debug)]
+pub struct MaterialTables {
+    /// F_r(λ).
+    pub reflectance: Bands,
+    /// F_t(λ); zero for opaque materials.
+    pub transmittance: Bands,
+    /// −ln F_t / thickness; zero without `thickness`. Where F_t = 0 it is large enough that any
+    /// path leaves nothing, and finite so that a path of length 0 leaves everything.
+    pub absorption_per_mm: Bands,
+    /// Whether lobes on the viewer's, and on the far side can return light.
+    pub reflects: bool,
+    pub transmits: bool,
+}
+
+/// exp(−this · d) is 0 for every distance above 1e-290 mm.
+const OPAQUE_PER_MM: f64 = 1e300;
+
+impl SpectralTables {
+    /// Errors: a light without luminous flux on this grid.
+    pub fn new(scene: &Scene, grid: WavelengthGrid) -> Result<Self> {
+        let on_grid = |spectrum: &Spectrum| Bands::from_slice(&spectrum.on_grid(grid));
+        let weights: Vec<f64> = (0..grid.bands())
+            .map(|band| cie::K_LM_PER_W * cie::cmf(grid, band)[1] * grid.step_nm())
+            .collect();
+        let lights = scene
+            .lights
+            .iter()
+            .map(|light| light.power_per_lumen(grid).map(|power| Bands::from_slice(&power)));
+        let ambient = on_grid(&scene.ambient);
+        Ok(Self {
+            bands: grid.bands(),
+            materials: scene.materials.iter().map(|m| MaterialTables::new(m, grid)).collect(),
+            lights: lights.collect::<Result<_>>()?,
+            background: on_grid(&scene.background),
+            has_ambient: !ambient.is_zero(),
+            ambient,
+            luminance_weights: Bands::from_slice(&weights),
+        })
+    }
+}
+
+impl MaterialTables {
+    fn new(material: &Material, grid: WavelengthGrid) -> Self {
+        let reflectance = Bands::from_slice(&material.reflectance.on_grid(grid));
+        let transmittance = match &material.transmittance {
+            Some(spectrum) => Bands::from_slice(&spectrum.on_grid(grid)),
+            None => Bands::zero(grid.bands()),
+        };
+        let mut absorption_per_mm = Bands::zero(grid.bands());
+        if let Some(thickness_mm) = material.thickness_mm {
+            let pairs = absorption_per_mm.as_mut_slice().iter_mut().zip(transmittance.as_slice());
+            for (absorption, f_t) in pairs {
+                *absorption = (-f_t.ln() / thickness_mm).min(OPAQUE_PER_MM);
+            }
+        }
+        let shines = !material.lobes.is_black();
+        Self {
+            reflects: shines && !reflectance.is_zero(),
+            transmits: shines && material.transmits() && !transmittance.is_zero(),
+            reflectance,
+            transmittance,
+            absorption_per_mm,
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! From a pixel to a ray.
+
+use crate::geometry::{DVec3, Ray};
+
+/// A pinhole camera that turns about its target.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// Turns the eye about +Y; 0 is the front view, positive toward +X.
+    pub azimuth_deg: f64,
+    /// Lifts the eye toward +Y.
+    pub elevation_deg: f64,
+    /// From eye to target, > 0.
+    pub distance_mm: f64,
+    pub target: DVec3,
+    /// Full vertical angle, 0 to 180, both excluded.
+    pub fov_deg: f64,
+    pub width: usize,
+    pub height: usize,
+}
+
+/// The camera's axes, and half the image plane's extent at unit distance.
+#[derive(Debug, Clone, Copy)]
+pub struct Camera {
+    eye: DVec3,
+    forward: DVec3,
+    right: DVec3,
+    up: DVec3,
+    tan_half_fov: f64,
+    size: [f64; 2],
+}
+
+impl View {
+    pub fn camera(&self) -> Camera {
+        let (sin_a, cos_a) = self.azimuth_deg.to_radians().sin_cos();
+        let (sin_e, cos_e) = self.elevation_deg.to_radians().sin_cos();
+        let backward = DVec3::new(sin_a * cos_e, sin_e, cos_a * cos_e);
+        let right = DVec3::new(cos_a, 0.0, -sin_a);
+        Camera {
+            eye: self.target + self.distance_mm * backward,
+            forward: -backward,
+            right,
+            up: right.cross(-backward),
+            tan_half_fov: (0.5 * self.fov_deg.to_radians()).tan(),
+            size: [self.width as f64, self.height as f64],
+        }
+    }
+
+    pub fn pixels(&self) -> usize {
+        self.width * self.height
+    }
+}
+
+impl Camera {
+    /// The ray through image position (x, y) in pixels, (0, 0) being the top left corner of the
+    /// top left pixel.
+    pub fn ray(&self, x: f64, y: f64) -> Ray {
+        let [width, height] = self.size;
+        // Square pixels: both axes scale with the height.
+        let right = (2.0 * x - width) / height * self.tan_half_fov;
+        let up = (height - 2.0 * y) / height * self.tan_half_fov;
+        let direction = self.forward + right * self.right + up * self.up;
+        Ray { origin: self.eye, direction: direction.normalize() }
+    }
+
+    /// Solid angle of the pixel whose center is (x, y), sr.
+    pub fn pixel_solid_angle_sr(&self, x: f64, y: f64) -> f64 {
+        let side = 2.0 * self.tan_half_fov / self.size[1];
+        let cos = self.ray(x, y).direction.dot(self.forward);
+        side * side * cos.powi(3)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn view() -> View {
+        View {
+            azimuth_deg: 0.0,
+            elevation_deg: 0.0,
+            distance_mm: 100.0,
+            target: DVec3::ZERO,
+            fov_deg: 90.0,
+            width: 4,
+            height: 2,
+        }
+    }
+
+    #[test]
+    fn front_view_has_x_to_the_right_and_y_up() {
+        let camera = view().camera();
+        assert_eq!(camera.ray(2.0, 1.0).direction, DVec3::NEG_Z);
+        let corner = camera.ray(4.0, 0.0).direction;
+        assert!((corner / -corner.z - DVec3::new(2.0, 1.0, -1.0)).length() < 1e-15);
+    }
+
+    #[test]
+    fn azimuth_turns_the_eye_toward_x_and_elevation_lifts_it() {
+        let side = View { azimuth_deg: 90.0, ..view() }.camera();
+        assert!((side.eye - DVec3::new(100.0, 0.0, 0.0)).length() < 1e-13);
+        let above = View { elevation_deg: 90.0, ..view() }.camera();
+        assert!((above.eye - DVec3::new(0.0, 100.0, 0.0)).length() < 1e-13);
+        assert!((above.up - DVec3::NEG_Z).length() < 1e-15);
+    }
+
+    /// The solid angles of all pixels add up to the frustum's: 4 asin(ab / √((1+a²)(1+b²))).
+    #[test]
+    fn solid_angles_fill_the_frame() {
+        let view = View { width: 400, height: 200, ..view() };
+        let camera = view.camera();
+        let sum: f64 = (0..view.pixels())
+            .map(|p| {
+                let (x, y) = (p % view.width, p / view.width);
+                camera.pixel_solid_angle_sr(x as f64 + 0.5, y as f64 + 0.5)
+            })
+            .sum();
+        let (a, b) = (2.0f64, 1.0f64);
+        let exact = 4.0 * (a * b / ((1.0 + a * a) * (1.0 + b * b)).sqrt()).asin();
+        // Midpoint rule: second order in the pixel's side, 1/200.
+        assert!((sum / exact - 1.0).abs() < 2e-5, "{sum} {exact}");
+    }
+}
