@@ -22,7 +22,8 @@ pub fn delta_e_2000(p: Lab, q: Lab) -> f64 {
     let l = 0.5 * (p.l + q.l);
     let c = 0.5 * (p.chroma + q.chroma);
     let h = hue_mean(p, q);
-    let t = 1.0 - 0.17 * (h - radians(30.0)).cos() + 0.24 * (2.0 * h).cos()
+    let t = 1.0 - 0.17 * (h - radians(30.0)).cos()
+        + 0.24 * (2.0 * h).cos()
         + 0.32 * (3.0 * h + radians(6.0)).cos()
         - 0.20 * (4.0 * h - radians(63.0)).cos(); // eq. 15
     let l_50 = (l - 50.0).powi(2);

@@ -26,8 +26,7 @@ fn lab_f_inverse(f: f64) -> f64 {
 impl Lab {
     /// Source: CIE 15:2004, 8.2.1.
     pub fn from_xyz(color: Xyz, white: Xyz) -> Self {
-        let [fx, fy, fz] =
-            [color.x / white.x, color.y / white.y, color.z / white.z].map(lab_f);
+        let [fx, fy, fz] = [color.x / white.x, color.y / white.y, color.z / white.z].map(lab_f);
         Self { l: 116.0 * fy - 16.0, a: 500.0 * (fx - fy), b: 200.0 * (fy - fz) }
     }
 

@@ -124,8 +124,7 @@ mod tests {
     #[test]
     fn equal_energy_has_equal_tristimulus_values() {
         let bands = vec![1.0; 81];
-        let [x, y] =
-            Xyz::from_bands(WavelengthGrid::Step5, &bands).chromaticity().unwrap();
+        let [x, y] = Xyz::from_bands(WavelengthGrid::Step5, &bands).chromaticity().unwrap();
         // The CMFs are normalized to this at 1 nm; their 5 nm sums differ by less than 1e-5.
         assert!((x - 1.0 / 3.0).abs() < 2e-5 && (y - 1.0 / 3.0).abs() < 2e-5, "{x} {y}");
     }

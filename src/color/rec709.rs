@@ -41,11 +41,8 @@ mod tests {
     #[test]
     fn matrix_is_the_published_one() {
         // IEC 61966-2-1 prints four decimals.
-        let published = [
-            [3.2406, -1.5372, -0.4986],
-            [-0.9689, 1.8758, 0.0415],
-            [0.0557, -0.2040, 1.0570],
-        ];
+        let published =
+            [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
         for (r, row) in published.iter().enumerate() {
             for (c, value) in row.iter().enumerate() {
                 // Its matrix comes from rounded forward values, hence 4e-4 and not 5e-5.

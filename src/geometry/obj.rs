@@ -176,7 +176,10 @@ fn check_numbers(line: usize, what: &str, rest: &str) -> std::result::Result<(),
                 ));
             }
             Err(_) => {
-                return Err(Fault::line(line, format!("{what} has \"{field}\", expected a number")));
+                return Err(Fault::line(
+                    line,
+                    format!("{what} has \"{field}\", expected a number"),
+                ));
             }
         }
     }
