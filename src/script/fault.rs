@@ -62,8 +62,8 @@ fn script_line(lua: &Lua) -> Option<String> {
 fn frame_line(frame: &mlua::debug::Debug) -> Option<String> {
     let line = frame.current_line()?;
     let file = frame.source().short_src?;
-    // Lua code of the binding library itself, such as its __index.
-    (!file.starts_with("__mlua")).then(|| format!("{file}:{line}"))
+    // Lua code that is not the script's: the binding library's __index, our pcall.
+    (!file.starts_with("__")).then(|| format!("{file}:{line}"))
 }
 
 /// The message of an error that left the script.

@@ -56,7 +56,7 @@ fn replace_pcall(lua: &Lua) -> mlua::Result<()> {
     let globals = lua.globals();
     let caught = lua.create_function(fault::caught)?;
     let raw = (globals.get::<Value>("pcall")?, globals.get::<Value>("xpcall")?, caught);
-    let (pcall, xpcall): (Value, Value) = lua.load(WRAPPERS).set_name("=pcall").call(raw)?;
+    let (pcall, xpcall): (Value, Value) = lua.load(WRAPPERS).set_name("=__pcall").call(raw)?;
     globals.set("pcall", pcall)?;
     globals.set("xpcall", xpcall)
 }
