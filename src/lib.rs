@@ -26,6 +26,7 @@ pub mod geometry;
 pub mod image;
 pub mod light;
 pub mod material;
+pub mod output;
 pub mod spectrum;
 
 pub use error::{Error, Result};
