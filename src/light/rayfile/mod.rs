@@ -10,6 +10,7 @@ mod input;
 mod lighttools;
 mod lines;
 mod record;
+mod save;
 mod spectral;
 mod text;
 mod tm25;
@@ -19,6 +20,8 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+pub use self::save::{SaveFormat, save};
 
 use self::input::Input;
 use self::spectral::{Table, Tally, luminous_efficacy};
