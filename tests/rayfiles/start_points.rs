@@ -39,7 +39,7 @@ fn radius(s: &RaySample) -> f64 {
 #[test]
 fn the_nearest_points_fill_the_filament() {
     let axis = StartSurface::axis(DVec3::ZERO, DVec3::Z).unwrap();
-    let rays = filament_on_sphere(10_000).starting_at(&axis).unwrap();
+    let rays = filament_on_sphere(100_000).starting_at(&axis).unwrap();
     // f32 starts at 10 mm and f32 directions: 1e-6 mm each.
     let largest = rays.samples.iter().map(radius).fold(0.0, f64::max);
     assert!((largest - RADIUS_MM).abs() < 5e-4, "{largest}");
