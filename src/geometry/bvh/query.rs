@@ -112,7 +112,7 @@ impl Bvh {
 
     /// `None` if the ray passes the scene by.
     #[inline(always)]
-    fn probe(&self, ray: &Ray) -> Option<Probe> {
+    pub(super) fn probe(&self, ray: &Ray) -> Option<Probe> {
         let to_center = self.frame.center - ray.origin;
         let along_mm = to_center.dot(ray.direction);
         let beside = to_center - ray.direction * along_mm;

@@ -26,7 +26,7 @@ impl Child {
 }
 
 /// Boxes of eight children, in the tree's frame.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 pub(super) struct WideNode {
     /// Low x, high x, low y, high y, low z, high z. A box that holds nothing is inside out.
@@ -47,7 +47,7 @@ pub(super) const CORNERS: usize = 12;
 
 /// Up to eight neighboring triangles with their corners in f64, each stored once: smaller than
 /// eight separate triangles in f32, and the exact test needs nothing else.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 pub(super) struct Packet {
     /// x, y, z in mm; places without a corner repeat the first.
@@ -124,7 +124,7 @@ pub(super) fn fits_a_packet(triangles: impl ExactSizeIterator<Item = [DVec3; 3]>
 }
 
 /// Nodes and packets below `root`, which is `None` if there is nothing to meet.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tree {
     pub nodes: Vec<WideNode>,
     pub packets: Vec<Packet>,
