@@ -51,32 +51,41 @@ impl GamutReport {
 /// Rounding of eq. 7 that does not count as outside.
 const TOLERANCE: f64 = 1e-9;
 
-fn is_inside(rgb: [f64; 3]) -> bool {
-    rgb.iter().all(|v| (-TOLERANCE..=1.0 + TOLERANCE).contains(v))
-}
-
 /// Brings colors into one display's gamut.
 pub struct GamutMap<'a> {
     display: &'a Display,
     gamut: Gamut,
     white: Xyz,
     black: Xyz,
+    /// Light of each channel at digit 0 and at full.
+    range: [[f64; 2]; 3],
 }
 
 impl<'a> GamutMap<'a> {
     pub fn new(display: &'a Display, gamut: Gamut) -> Self {
         let black = display.xyz_from_digits([0.0; 3]);
-        Self { display, gamut, white: display.white(), black }
+        let range = display.curves().map(|curve| [curve.light(0.0), curve.light(1.0)]);
+        Self { display, gamut, white: display.white(), black, range }
     }
 
-    /// Light of the channels, each 0 to 1 (NaN stays NaN), and whether the color was outside.
+    fn is_inside(&self, rgb: [f64; 3]) -> bool {
+        let mut channels = rgb.iter().zip(self.range);
+        channels.all(|(v, [low, high])| (low - TOLERANCE..=high + TOLERANCE).contains(v))
+    }
+
+    fn clip(&self, rgb: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|c| rgb[c].clamp(self.range[c][0], self.range[c][1]))
+    }
+
+    /// Light of the channels that the display has (NaN stays NaN), and whether the color was
+    /// outside.
     pub fn map(&self, color: Xyz) -> ([f64; 3], GamutReport) {
         let rgb = self.display.linear_from_xyz(color);
-        if is_inside(rgb) {
-            return (clip(rgb), GamutReport { pixels: 1, ..Default::default() });
+        if self.is_inside(rgb) {
+            return (self.clip(rgb), GamutReport { pixels: 1, ..Default::default() });
         }
         let mapped = match self.gamut {
-            Gamut::Clip => clip(rgb),
+            Gamut::Clip => self.clip(rgb),
             Gamut::Desaturate => self.desaturate(color),
         };
         (mapped, self.report(color, mapped))
@@ -101,7 +110,7 @@ impl<'a> GamutMap<'a> {
     /// The most saturated color of the same L* and hue that fits.
     fn desaturate(&self, color: Xyz) -> [f64; 3] {
         if color.y >= self.white.y {
-            return [1.0; 3];
+            return self.range.map(|[_, high]| high);
         }
         let lab = Lab::from_xyz(color, self.white);
         let at = |share: f64| {
@@ -112,14 +121,10 @@ impl<'a> GamutMap<'a> {
         // 40 halvings leave 1e-12 of the chroma.
         for _ in 0..40 {
             let middle = 0.5 * (fits + too_far);
-            if is_inside(at(middle)) { fits = middle } else { too_far = middle }
+            if self.is_inside(at(middle)) { fits = middle } else { too_far = middle }
         }
-        clip(at(fits))
+        self.clip(at(fits))
     }
-}
-
-fn clip(rgb: [f64; 3]) -> [f64; 3] {
-    rgb.map(|v| v.clamp(0.0, 1.0))
 }
 
 #[cfg(test)]
@@ -148,7 +153,8 @@ mod tests {
                 assert!((p.l - q.l).abs() < 1e-5, "{p:?} {q:?}");
                 assert!((p.b.atan2(p.a) - q.b.atan2(q.a)).abs() < 1e-6, "{p:?} {q:?}");
                 // It stops at the gamut's surface.
-                let at_surface = rgb.iter().any(|v| !(1e-6..=1.0 - 1e-6).contains(v));
+                let inner = map.range.map(|[low, high]| low + 1e-6..=high - 1e-6);
+                let at_surface = inner.iter().zip(rgb).any(|(inner, v)| !inner.contains(&v));
                 assert!(at_surface && q.chroma() < p.chroma(), "{rgb:?}");
             }
         }
@@ -181,9 +187,11 @@ mod tests {
         for gamut in [Gamut::Clip, Gamut::Desaturate] {
             let map = GamutMap::new(&display, gamut);
             let (rgb, report) = map.map(Xyz::default());
-            assert_eq!((rgb, report.too_dark), ([0.0; 3], 1));
+            assert_eq!(display.digits_from_linear(rgb), Some([0; 3]));
+            assert_eq!(report.too_dark, 1);
             let (rgb, report) = map.map(display.white() * 5.0);
-            assert_eq!((rgb, report.too_bright), ([1.0; 3], 1));
+            assert_eq!(display.digits_from_linear(rgb), Some([255; 3]));
+            assert_eq!(report.too_bright, 1);
         }
     }
 

@@ -3,6 +3,7 @@
 mod curve;
 mod exposure;
 mod gamut;
+mod icc;
 mod model;
 mod present;
 mod tone;

@@ -10,6 +10,7 @@ mod input;
 mod lighttools;
 mod lines;
 mod record;
+mod save;
 mod spectral;
 mod text;
 mod tm25;
@@ -19,6 +20,8 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+pub use self::save::{SaveFormat, save};
 
 use self::input::Input;
 use self::spectral::{Table, Tally, luminous_efficacy};
@@ -115,10 +118,11 @@ pub enum Warning {
 impl std::fmt::Display for Warning {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
+            // Digits beyond f32 are rounding of the sum.
             Self::HeaderFlux { header, sum, unit } => write!(
                 f,
-                "the header says {header} {unit}, the rays sum to {sum} {unit}: rescaled to the \
-                 header"
+                "the header says {} {unit}, the rays sum to {} {unit}: rescaled to the header",
+                *header as f32, *sum as f32
             ),
             Self::UnstatedUnit => f.write_str(
                 "the file does not say what its flux is in: taken as lm, or give \"flux\"",

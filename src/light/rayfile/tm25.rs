@@ -33,7 +33,9 @@ pub(super) mod offset {
 
 pub(super) const DATE_BYTES: usize = 28;
 pub(super) const DESCRIPTION_BYTES: usize = 4000;
-pub(super) const DESCRIPTIONS: [&str; 9] = [
+/// Index of the file creator among the descriptions.
+pub(super) const FILE_CREATOR: usize = 3;
+const DESCRIPTIONS: [&str; 9] = [
     "source name",
     "source maker",
     "model creator",
@@ -49,7 +51,7 @@ pub(super) const DESCRIPTIONS: [&str; 9] = [
 const ITEM_NAME_BYTES: u64 = 512;
 
 /// Spectral tables are padded to a multiple of this.
-const TABLE_BLOCK_BYTES: u64 = 32;
+pub(super) const TABLE_BLOCK_BYTES: u64 = 32;
 
 /// A table of one row takes 12 bytes in the file and about 2 kB here; the bound keeps a small file
 /// from asking for much memory.

@@ -1,0 +1,8 @@
+//! Ray files: every format reads the same rays, refuses what is broken, and survives anything.
+
+mod formats;
+mod mutations;
+mod refusals;
+mod round_trip;
+mod seeds;
+mod start_points;
