@@ -109,12 +109,14 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
         Some("png") => {
             let shown = save_png(&target, &rendered.image, &arguments.options(&PNG_KEYS)?)?;
             let gamut = shown.gamut;
-            if gamut.outside() > 0 {
+            // What is too dark shows as the display's black, as anyone expects.
+            let (bright, saturated) = (gamut.too_bright, gamut.too_saturated);
+            if bright + saturated > 0 {
                 host.warn(format!(
-                    "{path}: {} of {} pixels are outside of the display's gamut, up to ΔE00 {:.1}",
-                    gamut.outside(),
-                    gamut.pixels,
-                    gamut.max_delta_e_2000
+                    "{path}: the display cannot show {bright} pixels that are brighter than its \
+                     white and {saturated} that are more saturated than its primaries, of {}; up \
+                     to ΔE00 {:.1}",
+                    gamut.pixels, gamut.max_delta_e_2000
                 ));
             }
             png_stats(lua, &shown)
