@@ -8,9 +8,11 @@ mod lambert;
 pub mod noise;
 pub mod rayfile;
 pub mod rayset;
+pub mod report;
 mod sequence;
 pub mod start_surface;
 pub mod sum;
+pub mod surface_fit;
 pub mod thinning;
 pub mod tree;
 
