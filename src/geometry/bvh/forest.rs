@@ -51,13 +51,14 @@ impl Forest {
         Forest { costs: [cost; LANES - 1], ..Forest::EMPTY }
     }
 
-    fn join(node: &BinaryNode, left: &Forest, right: &Forest) -> Forest {
+    /// `fits` says whether the triangles can be one packet.
+    fn join(node: &BinaryNode, left: &Forest, right: &Forest, fits: bool) -> Forest {
         let area = node.bounds.half_area();
         let mut forest = Forest::EMPTY;
         let (below, left_trees) = cheapest_cut(left, right, LANES);
         forest.left_trees[LANES - 2] = left_trees;
         let as_node = below + area;
-        let as_leaf = if node.count as usize <= LANES { area * PACKET_COST } else { f32::INFINITY };
+        let as_leaf = if fits { area * PACKET_COST } else { f32::INFINITY };
         forest.is_leaf = as_leaf <= as_node;
         forest.costs[0] = as_leaf.min(as_node);
         for trees in 2..LANES {
@@ -82,15 +83,21 @@ fn cheapest_cut(left: &Forest, right: &Forest, trees: usize) -> (f32, u8) {
 }
 
 /// One forest a node of the binary tree, in its order.
-pub(super) fn plan(nodes: &[BinaryNode]) -> Vec<Forest> {
+///
+/// `fits` says whether the triangles of a node can be one packet.
+pub(super) fn plan(nodes: &[BinaryNode], fits: impl Fn(&BinaryNode) -> bool + Sync) -> Vec<Forest> {
     let mut forests = vec![Forest::EMPTY; nodes.len()];
     if !nodes.is_empty() {
-        plan_subtree(nodes, &mut forests);
+        plan_subtree(nodes, &mut forests, &fits);
     }
     forests
 }
 
-fn plan_subtree(nodes: &[BinaryNode], forests: &mut [Forest]) {
+fn plan_subtree(
+    nodes: &[BinaryNode],
+    forests: &mut [Forest],
+    fits: &(impl Fn(&BinaryNode) -> bool + Sync),
+) {
     let node = &nodes[0];
     let Some([left, right]) = node.children() else {
         forests[0] = Forest::single(node);
@@ -101,12 +108,13 @@ fn plan_subtree(nodes: &[BinaryNode], forests: &mut [Forest]) {
     let (left_nodes, right_nodes) = (&nodes[left..right], &nodes[right..]);
     if nodes.len() >= PARALLEL_NODES {
         rayon::join(
-            || plan_subtree(left_nodes, left_forests),
-            || plan_subtree(right_nodes, right_forests),
+            || plan_subtree(left_nodes, left_forests, fits),
+            || plan_subtree(right_nodes, right_forests, fits),
         );
     } else {
-        plan_subtree(left_nodes, left_forests);
-        plan_subtree(right_nodes, right_forests);
+        plan_subtree(left_nodes, left_forests, fits);
+        plan_subtree(right_nodes, right_forests, fits);
     }
-    own[0] = Forest::join(node, &left_forests[0], &right_forests[0]);
+    let is_packet = node.count as usize <= LANES && fits(node);
+    own[0] = Forest::join(node, &left_forests[0], &right_forests[0], is_packet);
 }

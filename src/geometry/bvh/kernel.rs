@@ -2,26 +2,36 @@
 //! triangles. Both may say yes too often and never no to what the f64 test accepts, so that hits do
 //! not depend on the kernel.
 
+use super::probe::Probe;
 use super::walk::TreeRay;
-use super::wide::{LANES, Lanes, Packet, WideNode};
+use super::wide::{CORNERS, LANES, Lanes, Packet, WideNode};
 
-/// Tolerance of the weights of a triangle in units of its longest edge.
-///
-/// In units of 2⁻²⁴, with origins up to 1.5 and corners up to 1: a corner relative to the origin is
-/// off by 5, its cross product with the direction by 25 a component, the product of that with an
-/// edge by 60.
-pub(super) const WEIGHT_SLACK: f32 = 64.0 / (1 << 24) as f32;
-/// The same for the sum of two weights against the determinant (twice 60, and 15 edges ≤ 2 for the
-/// determinant), and in units of the edge's square for the distance: its numerator is off by 51, the
-/// determinant times a distance up to 4 by 80.
-pub(super) const SUM_SLACK: f32 = 256.0 / (1 << 24) as f32;
+/// The corners of a packet as a probe sees them ([`Probe::to_sheared`]): coordinate, then place.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct Sheared(pub [[f64; CORNERS]; 3]);
+
+impl Sheared {
+    pub const NONE: Sheared = Sheared([[0.0; CORNERS]; 3]);
+
+    #[inline(always)]
+    pub fn corner(&self, place: u8) -> [f64; 3] {
+        let place = usize::from(place);
+        [self.0[0][place], self.0[1][place], self.0[2][place]]
+    }
+}
 
 pub(super) trait Kernel {
     /// Which boxes the ray enters before `end`, and where (≥ 0).
     fn enter(node: &WideNode, ray: &TreeRay, end: f32) -> (u32, Lanes);
 
-    /// Which triangles the ray may meet before `end`.
-    fn may_meet(packet: &Packet, ray: &TreeRay, end: f32) -> u32;
+    /// Asks the memory for what will be read soon.
+    #[inline(always)]
+    fn prefetch<T>(_place: &T) {}
+
+    /// Shears the corners, with the bits of [`Probe::to_sheared`], and says which triangles the probe
+    /// may meet up to `end_mm`.
+    fn may_meet(packet: &Packet, probe: &Probe, end_mm: f64, sheared: &mut Sheared) -> u32;
 }
 
 /// Plain arrays, which compilers turn into whatever vectors the target has.
@@ -50,36 +60,31 @@ impl Kernel for Portable {
     }
 
     #[inline(always)]
-    fn may_meet(packet: &Packet, ray: &TreeRay, end: f32) -> u32 {
-        let [dx, dy, dz] = ray.direction;
-        let [e1, e2] = &packet.edges;
-        let slack = packet.edge_length * WEIGHT_SLACK;
-        let sum_slack = packet.edge_length * SUM_SLACK;
-        let t_slack = packet.edge_length * sum_slack;
+    fn may_meet(packet: &Packet, probe: &Probe, end_mm: f64, sheared: &mut Sheared) -> u32 {
+        let [kx, ky, kz] = probe.axes;
+        let (xs, ys, zs) = (&packet.positions[kx], &packet.positions[ky], &packet.positions[kz]);
+        let (ox, oy, oz) = (probe.origin[kx], probe.origin[ky], probe.origin[kz]);
+        let [sx, sy, sz] = probe.shear;
+        let [px, py, pz] = &mut sheared.0;
+        for i in 0..CORNERS {
+            let depth = zs[i] - oz;
+            px[i] = xs[i] - ox - sx * depth;
+            py[i] = ys[i] - oy - sy * depth;
+            pz[i] = sz * depth;
+        }
+        // A distance is a mean of those of the corners, but for its rounding.
+        let end_mm = end_mm * (1.0 + 64.0 * f64::EPSILON);
         let mut is_met = [false; LANES];
         for lane in 0..LANES {
-            let x = packet.corner[0][lane] - ray.origin[0];
-            let y = packet.corner[1][lane] - ray.origin[1];
-            let z = packet.corner[2][lane] - ray.origin[2];
-            let (e1x, e1y, e1z) = (e1[0][lane], e1[1][lane], e1[2][lane]);
-            let (e2x, e2y, e2z) = (e2[0][lane], e2[1][lane], e2[2][lane]);
-            let nx = e1y * e2z - e1z * e2y;
-            let ny = e1z * e2x - e1x * e2z;
-            let nz = e1x * e2y - e1y * e2x;
-            let (tx, ty, tz) = (y * dz - z * dy, z * dx - x * dz, x * dy - y * dx);
-            let det = nx * dx + ny * dy + nz * dz;
-            let sign = 1.0f32.copysign(det);
-            let u = sign * (tx * e2x + ty * e2y + tz * e2z);
-            let v = -sign * (tx * e1x + ty * e1y + tz * e1z);
-            let t = sign * (nx * x + ny * y + nz * z);
-            let det = det.abs();
-            is_met[lane] = (u >= -slack)
-                & (v >= -slack)
-                & (u + v <= det + sum_slack)
-                & (t >= -t_slack)
-                & (t <= end * det + t_slack);
+            let [a, b, c] = [0, 1, 2].map(|k| usize::from(packet.corners[k][lane]));
+            let [wa, wb, wc] = [(c, b), (a, c), (b, a)].map(|(i, j)| px[i] * py[j] - py[i] * px[j]);
+            let least = wa.min(wb).min(wc);
+            let most = wa.max(wb).max(wc);
+            let near = pz[a].min(pz[b]).min(pz[c]);
+            let far = pz[a].max(pz[b]).max(pz[c]);
+            is_met[lane] = !((least < 0.0) & (most > 0.0)) & (far > 0.0) & (near <= end_mm);
         }
-        to_bits(&is_met)
+        to_bits(&is_met) & packet.present
     }
 }
 

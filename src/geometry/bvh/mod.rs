@@ -29,7 +29,7 @@ use super::{DVec3, Mesh, TriangleId};
 use binary::Primitive;
 use bounds::Frame;
 pub use departure::Departure;
-use wide::{PacketTriangle, Tree};
+use wide::Tree;
 
 /// All triangles of a scene, ordered for rays. Shares the meshes, never copies their positions.
 #[derive(Debug, Clone)]
@@ -101,15 +101,15 @@ impl Bvh {
             }));
         }
         let nodes = binary::build(&mut primitives);
-        let forests = forest::plan(&nodes);
-        Tree::new(&nodes, &forests, &self.frame, |place| {
+        let triangle_at = |place: u32| {
             let triangle = primitives[place as usize].triangle;
-            let (object, index) = self.locate(TriangleId(triangle));
-            let mesh = &self.meshes[object];
-            let positions = mesh.triangles[index];
-            let corners = positions.map(|position| mesh.positions[position as usize]);
-            PacketTriangle { triangle, positions, corners }
-        })
+            (triangle, self.corners(TriangleId(triangle)))
+        };
+        let forests = forest::plan(&nodes, |node| {
+            let places = node.first..node.first + node.count;
+            wide::fits_a_packet(places.map(|place| triangle_at(place).1))
+        });
+        Tree::new(&nodes, &forests, triangle_at)
     }
 
     /// Walks with the kernel that needs nothing of the processor, to compare it.

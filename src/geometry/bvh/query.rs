@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 use super::super::{DVec3, Hit, Ray, TriangleId};
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
-use super::kernel::{Kernel, Portable};
-use super::probe::{Crossing, Probe};
+use super::kernel::{Kernel, Portable, Sheared};
+use super::probe::{self, Crossing, Probe};
 use super::walk::{self, TreeRay};
 use super::wide::Packet;
 use super::{Bvh, Simd, departure};
@@ -60,12 +60,14 @@ impl Bvh {
         let tree_ray = TreeRay::new(&probe, &self.frame);
         let mut best: Option<(Crossing, u32)> = None;
         let mut end_mm = f64::INFINITY;
-        self.tree.walk::<K>(&tree_ray, walk::FARTHEST, |packet, mut lanes| {
+        let mut sheared = Sheared::NONE;
+        self.tree.walk::<K>(&tree_ray, walk::FARTHEST, |packet| {
+            let mut lanes = K::may_meet(packet, &probe, end_mm, &mut sheared);
             while lanes != 0 {
                 let lane = walk::take_lane(&mut lanes);
                 let triangle = packet.triangles[lane];
                 if leaving != Some(TriangleId(triangle))
-                    && let Some(found) = probe.cross(self.corners_in(packet, lane))
+                    && let Some(found) = cross_lane(packet, lane, &sheared)
                     && (found.t_mm < end_mm
                         || found.t_mm == end_mm && best.is_some_and(|(_, id)| triangle < id))
                 {
@@ -90,13 +92,15 @@ impl Bvh {
         let tree_ray = TreeRay::new(&probe, &self.frame);
         let end = walk::to_end(end_mm, &self.frame);
         let mut is_hidden = false;
-        self.tree.walk::<K>(&tree_ray, end, |packet, mut lanes| {
+        let mut sheared = Sheared::NONE;
+        self.tree.walk::<K>(&tree_ray, end, |packet| {
+            let mut lanes = K::may_meet(packet, &probe, end_mm, &mut sheared);
             while lanes != 0 {
                 let lane = walk::take_lane(&mut lanes);
                 let id = TriangleId(packet.triangles[lane]);
                 is_hidden = segment.leaving != Some(id)
                     && blocks[self.locate(id).0]
-                    && probe.cross(self.corners_in(packet, lane)).is_some_and(|c| c.t_mm < end_mm);
+                    && cross_lane(packet, lane, &sheared).is_some_and(|c| c.t_mm < end_mm);
                 if is_hidden {
                     return ControlFlow::Break(());
                 }
@@ -106,17 +110,9 @@ impl Bvh {
         is_hidden
     }
 
-    #[inline(always)]
-    fn corners_in(&self, packet: &Packet, lane: usize) -> [DVec3; 3] {
-        let (object, _) = self.locate(TriangleId(packet.triangles[lane]));
-        let positions = &self.meshes[object].positions;
-        let [a, b, c] = packet.positions[lane];
-        [positions[a as usize], positions[b as usize], positions[c as usize]]
-    }
-
     /// `None` if the ray passes the scene by.
     #[inline(always)]
-    fn probe(&self, ray: &Ray) -> Option<Probe> {
+    pub(super) fn probe(&self, ray: &Ray) -> Option<Probe> {
         let to_center = self.frame.center - ray.origin;
         let along_mm = to_center.dot(ray.direction);
         let beside = to_center - ray.direction * along_mm;
@@ -138,4 +134,10 @@ impl Bvh {
         let ray = Ray { origin: from, direction: path / way_mm };
         (length_mm > 0.0).then_some(Segment { ray, length_mm, leaving })
     }
+}
+
+#[inline(always)]
+fn cross_lane(packet: &Packet, lane: usize, sheared: &Sheared) -> Option<Crossing> {
+    let [a, b, c] = [packet.corners[0][lane], packet.corners[1][lane], packet.corners[2][lane]];
+    probe::cross([sheared.corner(a), sheared.corner(b), sheared.corner(c)])
 }

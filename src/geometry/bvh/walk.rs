@@ -3,6 +3,7 @@
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
 
+use super::super::DVec3;
 use super::binary;
 use super::bounds::Frame;
 use super::kernel::Kernel;
@@ -18,8 +19,6 @@ const STACK: usize = (LANES - 1) * (binary::SAH_DEPTH as usize + 33) + 1;
 /// A probe in the tree's frame, in f32.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TreeRay {
-    pub origin: [f32; 3],
-    pub direction: [f32; 3],
     pub inverse: [f32; 3],
     pub origin_inverse: [f32; 3],
 }
@@ -30,11 +29,11 @@ impl TreeRay {
         /// Stands for 0, so that inverses and their products stay finite. It moves a ray by less
         /// than 2⁻⁵⁰ while it crosses the scene.
         const LEAST: f32 = 1e-18;
-        let origin = frame.to_frame(probe.origin);
-        let direction = probe.direction.to_array().map(|d| d as f32);
+        let origin = frame.to_frame(DVec3::from_array(probe.origin));
+        let direction = probe.direction.map(|d| d as f32);
         let inverse = direction.map(|d| 1.0 / if d.abs() < LEAST { LEAST.copysign(d) } else { d });
         let origin_inverse = std::array::from_fn(|i| origin[i] * inverse[i]);
-        TreeRay { origin, direction, inverse, origin_inverse }
+        TreeRay { inverse, origin_inverse }
     }
 
     /// 1 where the ray runs against the axis, and so enters a box through its high plane.
@@ -52,14 +51,14 @@ pub(super) fn to_end(t_mm: f64, frame: &Frame) -> f32 {
 }
 
 impl Tree {
-    /// Calls `meet` with the packets that the ray may meet before `end`, nearer boxes first, and the
-    /// lanes in question; it returns the new `end`, or breaks off.
+    /// Calls `meet` with the packets whose boxes the ray enters before `end`, nearer ones first; it
+    /// returns the new `end`, or breaks off.
     #[inline(always)]
     pub fn walk<K: Kernel>(
         &self,
         ray: &TreeRay,
         mut end: f32,
-        mut meet: impl FnMut(&Packet, u32) -> ControlFlow<(), f32>,
+        mut meet: impl FnMut(&Packet) -> ControlFlow<(), f32>,
     ) {
         let Some(mut child) = self.root else { return };
         let mut stack = [MaybeUninit::<Waiting>::uninit(); STACK];
@@ -68,12 +67,10 @@ impl Tree {
             match child.as_packet() {
                 Some(packet) => {
                     let packet = &self.packets[packet];
-                    let lanes = K::may_meet(packet, ray, end);
-                    if lanes != 0 {
-                        match meet(packet, lanes) {
-                            ControlFlow::Continue(nearer) => end = nearer,
-                            ControlFlow::Break(()) => return,
-                        }
+                    K::prefetch(packet);
+                    match meet(packet) {
+                        ControlFlow::Continue(nearer) => end = nearer,
+                        ControlFlow::Break(()) => return,
                     }
                 }
                 None => {

@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use super::super::DVec3;
 use super::binary::BinaryNode;
-use super::bounds::Frame;
 use super::forest::{Forest, Part};
 
 /// Children of a node, triangles of a packet, lanes of a kernel.
@@ -27,7 +26,7 @@ impl Child {
 }
 
 /// Boxes of eight children, in the tree's frame.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 pub(super) struct WideNode {
     /// Low x, high x, low y, high y, low z, high z. A box that holds nothing is inside out.
@@ -42,61 +41,90 @@ impl WideNode {
     };
 }
 
-/// Up to eight triangles, in the tree's frame, rounded to f32: enough to say which the ray may meet.
-#[derive(Debug, Clone, Copy)]
+/// Different corners that the triangles of a packet have at most: 2 × 2 quads of a grid have 9, a
+/// strip of eight triangles 10.
+pub(super) const CORNERS: usize = 12;
+
+/// Up to eight neighboring triangles with their corners in f64, each stored once: smaller than
+/// eight separate triangles in f32, and the exact test needs nothing else.
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 pub(super) struct Packet {
-    /// First corner; NaN where there is no triangle, which no comparison accepts.
-    pub corner: [Lanes; 3],
-    /// From the first corner to the second, and to the third.
-    pub edges: [[Lanes; 3]; 2],
+    /// x, y, z in mm; places without a corner repeat the first.
+    pub positions: [[f64; CORNERS]; 3],
     pub triangles: [u32; LANES],
-    /// Indices of the corners in their mesh, so that the exact test starts without a detour.
-    pub positions: [[u32; 3]; LANES],
-    /// At least the longest edge.
-    pub edge_length: f32,
-}
-
-/// Corners and where they come from.
-pub(super) struct PacketTriangle {
-    pub triangle: u32,
-    pub positions: [u32; 3],
-    pub corners: [DVec3; 3],
+    /// Places of the first, second and third corners in `positions`.
+    pub corners: [[u8; LANES]; 3],
+    /// One bit a triangle.
+    pub present: u32,
 }
 
 impl Packet {
-    /// Keeps squares of edges far from the end of f32; makes the filter milder, never wrong.
-    const LEAST_EDGE: f32 = 1.0 / (1u64 << 40) as f32;
-
-    fn new(frame: &Frame, triangles: impl Iterator<Item = PacketTriangle>) -> Packet {
+    /// `None` if the corners are too many.
+    fn new(triangles: impl Iterator<Item = (u32, [DVec3; 3])>) -> Option<Packet> {
         let mut packet = Packet {
-            corner: [[f32::NAN; LANES]; 3],
-            edges: [[[0.0; LANES]; 3]; 2],
+            positions: [[0.0; CORNERS]; 3],
             triangles: [u32::MAX; LANES],
-            positions: [[0; 3]; LANES],
-            edge_length: Packet::LEAST_EDGE,
+            corners: [[0; LANES]; 3],
+            present: 0,
         };
-        for (lane, source) in triangles.enumerate() {
-            let [a, b, c] = source.corners;
-            let corner = frame.to_frame(a);
-            let edges = [b - a, c - a].map(|e| (e * frame.per_mm).to_array().map(|x| x as f32));
-            for axis in 0..3 {
-                packet.corner[axis][lane] = corner[axis];
-                packet.edges[0][axis][lane] = edges[0][axis];
-                packet.edges[1][axis][lane] = edges[1][axis];
+        let mut corners = Corners::default();
+        for (lane, (triangle, positions)) in triangles.enumerate() {
+            packet.triangles[lane] = triangle;
+            packet.present |= 1 << lane;
+            for (place, position) in positions.into_iter().enumerate() {
+                packet.corners[place][lane] = corners.place_of(position)?;
             }
-            packet.triangles[lane] = source.triangle;
-            packet.positions[lane] = source.positions;
-            let longest = (b - a).length().max((c - a).length()).max((c - b).length());
-            let length = ((longest * frame.per_mm) as f32).next_up();
-            packet.edge_length = packet.edge_length.max(length);
         }
-        packet
+        for (place, position) in corners.filled().into_iter().enumerate() {
+            for (axis, value) in position.to_array().into_iter().enumerate() {
+                packet.positions[axis][place] = value;
+            }
+        }
+        Some(packet)
     }
 }
 
+/// Different positions in the order of their first use.
+#[derive(Default)]
+struct Corners {
+    positions: [DVec3; CORNERS],
+    count: usize,
+}
+
+impl Corners {
+    fn place_of(&mut self, position: DVec3) -> Option<u8> {
+        // By bits, so that a corner keeps the sign of its zeros.
+        let bits = position.to_array().map(f64::to_bits);
+        let known = &self.positions[..self.count];
+        let found = known.iter().position(|p| p.to_array().map(f64::to_bits) == bits);
+        let place = found.unwrap_or(self.count);
+        if found.is_none() {
+            *self.positions.get_mut(place)? = position;
+            self.count += 1;
+        }
+        Some(place as u8)
+    }
+
+    fn filled(mut self) -> [DVec3; CORNERS] {
+        let first = self.positions[0];
+        self.positions[self.count..].fill(first);
+        self.positions
+    }
+}
+
+/// Whether one packet holds all these triangles.
+pub(super) fn fits_a_packet(triangles: impl ExactSizeIterator<Item = [DVec3; 3]>) -> bool {
+    if triangles.len() * 3 <= CORNERS {
+        return true;
+    }
+    let mut corners = Corners::default();
+    triangles.len() <= LANES
+        && triangles.flatten().all(|position| corners.place_of(position).is_some())
+}
+
 /// Nodes and packets below `root`, which is `None` if there is nothing to meet.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Tree {
     pub nodes: Vec<WideNode>,
     pub packets: Vec<Packet>,
@@ -104,19 +132,20 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// `triangle_at` gives the triangle at a place of the binary tree's order.
+    /// `triangle_at` gives number and corners of the triangle at a place of the binary tree's order.
     pub fn new(
         binary: &[BinaryNode],
         forests: &[Forest],
-        frame: &Frame,
-        triangle_at: impl Fn(u32) -> PacketTriangle + Sync,
+        triangle_at: impl Fn(u32) -> (u32, [DVec3; 3]) + Sync,
     ) -> Tree {
         let mut collapse = Collapse { binary, forests, nodes: Vec::new(), leaves: Vec::new() };
         let root = (!binary.is_empty()).then(|| collapse.emit(0));
         let packets = collapse
             .leaves
             .par_iter()
-            .map(|leaf| Packet::new(frame, leaf.clone().map(&triangle_at)))
+            .map(|leaf| {
+                Packet::new(leaf.clone().map(&triangle_at)).expect("forests cut what fits a packet")
+            })
             .collect();
         Tree { nodes: collapse.nodes, packets, root }
     }

@@ -1,7 +1,13 @@
 //! The sum over a RAYSET at a hit, exactly or within a stated error (eq. 9).
 
 mod blocks;
+mod descent;
+mod eight;
+mod levels;
+mod node;
+mod octahedron;
 mod order;
+mod table;
 
 use std::f64::consts::PI;
 
@@ -13,6 +19,8 @@ use crate::light::sum::power::LobeSet;
 use crate::light::sum::{HitQuery, LightSum, Photometry, Side, Visibility};
 
 use blocks::Blocks;
+use descent::Descent;
+use levels::Levels;
 
 /// A RAYSET prepared for sums at many hits.
 ///
@@ -20,6 +28,8 @@ use blocks::Blocks;
 #[derive(Debug, Clone)]
 pub struct LightTree {
     blocks: Blocks,
+    /// None for small sets.
+    levels: Option<Levels>,
     world_from_local: DAffine3,
     local_from_world: DAffine3,
     /// Of the placement.
@@ -27,6 +37,9 @@ pub struct LightTree {
     /// Φ_i of a sample whose flux is 1.
     lm_per_flux: f64,
 }
+
+/// The f32 of nodes holds no less; below it every sum is exact.
+const SMALLEST_LIGHT_ERROR: f64 = 1e-4;
 
 /// What one side of a hit adds up to, in the set's relative fluxes.
 #[derive(Debug, Clone, Copy, Default)]
@@ -44,9 +57,11 @@ impl LightTree {
     pub fn build(set: &RaySet) -> LightTree {
         let order = order::order(&set.samples);
         let blocks = Blocks::new(set, &order);
+        let levels = Levels::build(&blocks, order.depth);
         let total: f64 = set.samples.iter().map(|sample| f64::from(sample.flux)).sum();
         LightTree {
             blocks,
+            levels,
             world_from_local: set.world_from_local,
             local_from_world: set.world_from_local.inverse(),
             scale: set.world_from_local.matrix3.determinant().abs().cbrt(),
@@ -85,7 +100,7 @@ impl LightTree {
 
     /// Of the tree and its copy of the samples, without the ray set itself.
     pub fn memory_bytes(&self) -> usize {
-        self.blocks.memory_bytes()
+        self.blocks.memory_bytes() + self.levels.as_ref().map_or(0, Levels::memory_bytes)
     }
 
     fn sum_side(
@@ -93,7 +108,7 @@ impl LightTree {
         query: &HitQuery,
         lobes: &LobeSet,
         side: Side,
-        _light_error: f64,
+        light_error: f64,
         visible: Option<Visibility>,
     ) -> SideSum {
         let to_local = |v: DVec3| self.local_from_world.transform_vector3(v).normalize_or_zero();
@@ -106,7 +121,17 @@ impl LightTree {
         let free_here =
             |p: DVec3| visible.is_none_or(|free| free(self.world_from_local.transform_point3(p)));
         let visible_here = visible.map(|_| &free_here as Visibility);
-        let mut side_sum = self.sum_exact(&query_here, visible_here);
+        let mut side_sum = match &self.levels {
+            Some(levels) if light_error >= SMALLEST_LIGHT_ERROR => Descent {
+                levels,
+                blocks: &self.blocks,
+                query: &query_here,
+                visible: visible_here,
+                light_error,
+            }
+            .run(),
+            _ => self.sum_exact(&query_here, visible_here),
+        };
         let unit = self.lm_per_flux * self.distance_unit(query.photometry);
         side_sum.sum *= unit;
         side_sum.error *= unit;
