@@ -25,6 +25,10 @@ pub(super) trait Kernel {
     /// Which boxes the ray enters before `end`, and where (≥ 0).
     fn enter(node: &WideNode, ray: &TreeRay, end: f32) -> (u32, Lanes);
 
+    /// Keeps the compiler from turning the branch in which it stands into a choice of values.
+    #[inline(always)]
+    fn branch() {}
+
     /// Asks the memory for what will be read soon.
     #[inline(always)]
     fn prefetch<T>(_place: &T) {}
@@ -84,7 +88,7 @@ impl Kernel for Portable {
             let far = pz[a].max(pz[b]).max(pz[c]);
             is_met[lane] = !((least < 0.0) & (most > 0.0)) & (far > 0.0) & (near <= end_mm);
         }
-        to_bits(&is_met) & packet.present
+        to_bits(&is_met) & u32::from(packet.present)
     }
 }
 
