@@ -3,7 +3,7 @@
 pub mod bvh;
 pub mod mesh;
 
-pub use bvh::{Bvh, Departure};
+pub use bvh::{Bvh, Departure, Simd};
 pub use glam::DVec3;
 pub use mesh::Mesh;
 
