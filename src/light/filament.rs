@@ -124,6 +124,13 @@ fn axial_shrink(coil: &Coil) -> f64 {
     0.5 * (low + high)
 }
 
+/// The share of the wire's light that gets out of the coil.
+#[cfg(test)]
+pub(super) fn free_share(coil: &Coil) -> f64 {
+    let free = (0..4).map(|block| free_rays(coil, EvenSequence::new(0), block).count());
+    free.sum::<usize>() as f64 / (4 * BLOCK) as f64
+}
+
 /// Errors: [`Error::OutOfRange`] for a flux or a number of samples that no source has.
 pub(super) fn check_emitter(object: &str, flux_lm: f64, samples: usize) -> Result<()> {
     if !(flux_lm > 0.0 && flux_lm.is_finite()) {

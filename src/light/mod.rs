@@ -1,6 +1,7 @@
 //! RAYSET light sources: samples and spectrum, ray files, filaments and the comparison cylinder,
 //! and the sum over samples at a hit (eq. 9).
 
+pub mod bulb;
 pub mod coil;
 pub mod cylinder;
 pub mod filament;
@@ -15,7 +16,9 @@ pub mod sum;
 pub mod surface_fit;
 pub mod thinning;
 pub mod tree;
+pub mod tungsten;
 
+pub use bulb::Bulb;
 pub use coil::Coil;
 pub use cylinder::Cylinder;
 pub use filament::Filament;

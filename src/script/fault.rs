@@ -61,7 +61,9 @@ fn script_line(lua: &Lua) -> Option<String> {
 
 fn frame_line(frame: &mlua::debug::Debug) -> Option<String> {
     let line = frame.current_line()?;
-    Some(format!("{}:{line}", frame.source().short_src?))
+    let file = frame.source().short_src?;
+    // Lua code that is not the script's: the binding library's __index, our pcall.
+    (!file.starts_with("__")).then(|| format!("{file}:{line}"))
 }
 
 /// The message of an error that left the script.
@@ -84,6 +86,18 @@ fn message(error: &mlua::Error) -> String {
 
 fn without_traceback(text: &str) -> String {
     text.split("\nstack traceback:").next().unwrap_or(text).to_owned()
+}
+
+/// What `pcall` hands to the script: the message instead of the error's own object. An interrupt
+/// is raised again, so that no script survives Ctrl-C.
+pub(super) fn caught(lua: &Lua, error: Value) -> mlua::Result<Value> {
+    if super::host::of(lua)?.is_interrupted() {
+        return Err(Error::Interrupted.into());
+    }
+    match error {
+        Value::Error(error) => Ok(Value::String(lua.create_string(message(&error))?)),
+        other => Ok(other),
+    }
 }
 
 /// A Lua function whose errors carry the script's line.

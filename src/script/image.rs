@@ -1,17 +1,21 @@
 //! The image that a render returns.
 
+use std::path::Path;
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods};
+use mlua::{Function, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
-use super::fault;
-use super::options::{Arguments, Options};
+use super::display::LuaDisplay;
+use super::options::{self, Arguments, Options, Range};
 use super::spectrum::LuaSpectrum;
+use super::{fault, host};
+use crate::display::{self, Display, DisplayImage, Exposure, Gamut, Rendition, Tone};
+use crate::error::Error;
 use crate::image::{Region, SpectralImage};
+use crate::output;
 use crate::render::RenderStats;
-use crate::scene::Prepared;
+use crate::scene::{BuildSeconds, Prepared};
 use crate::spectrum::Spectrum;
-use crate::view::View;
 
 /// Handle of a rendered image.
 #[derive(Debug, Clone)]
@@ -21,20 +25,14 @@ pub struct LuaImage(Arc<Rendered>);
 struct Rendered {
     image: SpectralImage,
     stats: RenderStats,
-    build: crate::scene::BuildSeconds,
-    view: View,
+    build: BuildSeconds,
 }
 
 const NAMES: [&str; 7] = ["height", "luminance", "save", "spectrum", "stats", "width", "xyz"];
 
 impl LuaImage {
-    pub(super) fn new(
-        image: SpectralImage,
-        stats: RenderStats,
-        prepared: &Prepared,
-        view: View,
-    ) -> Self {
-        Self(Arc::new(Rendered { image, stats, build: prepared.seconds, view }))
+    pub(super) fn new(image: SpectralImage, stats: RenderStats, prepared: &Prepared) -> Self {
+        Self(Arc::new(Rendered { image, stats, build: prepared.seconds }))
     }
 
     /// `{x =, y =, width = 1, height = 1}`, or the whole image for nil.
@@ -83,6 +81,9 @@ impl UserData for LuaImage {
             let region = Arguments::new("image:luminance", a, 1)?.options(&REGION_KEYS)?;
             Ok(this.0.image.mean_xyz(this.region(region)?)?.y)
         });
+        fault::method(methods, "save", |lua, this: &Self, a| {
+            save(lua, &this.0, Arguments::new("image:save", a, 2)?)
+        });
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
             let Rendered { image, stats, .. } = this.0.as_ref();
             let (width, height, bands) = (image.width, image.height, image.grid.bands());
@@ -90,6 +91,113 @@ impl UserData for LuaImage {
         });
         fault::refuse_unknown_fields(methods, "image", &NAMES);
     }
+}
+
+const PNG_KEYS: [&str; 4] = ["display", "exposure", "gamut", "tone"];
+
+/// The kind of file follows from the path's ending.
+fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Result<Table> {
+    let path = arguments.text("path")?;
+    let host = host::of(lua)?;
+    let target = host.output(&path)?;
+    match target.extension().and_then(|e| e.to_str()) {
+        Some("exr") => {
+            arguments.options(&[])?;
+            output::write_exr(&target, &rendered.image)?;
+            lua.create_table()
+        }
+        Some("png") => {
+            let shown = save_png(&target, &rendered.image, &arguments.options(&PNG_KEYS)?)?;
+            let gamut = shown.gamut;
+            // What is too dark shows as the display's black, as anyone expects.
+            let (bright, saturated) = (gamut.too_bright, gamut.too_saturated);
+            if bright + saturated > 0 {
+                host.warn(format!(
+                    "{path}: the display cannot show {bright} pixels that are brighter than its \
+                     white and {saturated} that are more saturated than its primaries, of {}; up \
+                     to ΔE00 {:.1}",
+                    gamut.pixels, gamut.max_delta_e_2000
+                ));
+            }
+            png_stats(lua, &shown)
+        }
+        _ => {
+            let found = format!("\"{path}\"");
+            Err(Error::out_of_range("image:save", "path", found, "names ending in .exr or .png")
+                .into())
+        }
+    }
+}
+
+fn save_png(target: &Path, image: &SpectralImage, options: &Options) -> mlua::Result<DisplayImage> {
+    let display = options.handle::<LuaDisplay>("display", "a display")?;
+    let display = display.map_or_else(Display::srgb, |d| Arc::unwrap_or_clone(d.0));
+    let curve = options.value("tone")?;
+    let curve = curve.as_function().cloned();
+    let bend = |luminance: f64| curve_value(curve.as_ref(), luminance);
+    let tones = [
+        ("linear", Tone::Linear),
+        ("reinhard", Tone::Reinhard),
+        ("photographic", Tone::Photographic),
+    ];
+    let tone = match curve {
+        Some(_) => Tone::Curve(&bend),
+        None => options.choice("tone", &tones)?.unwrap_or_default(),
+    };
+    let gamuts = [("clip", Gamut::Clip), ("desaturate", Gamut::Desaturate)];
+    let gamut = options.choice("gamut", &gamuts)?.unwrap_or_default();
+    let rendition = Rendition { exposure: exposure(options)?, tone, gamut };
+    let shown = display::present(&image.to_xyz(), &display, &rendition)?;
+    let mut raster = output::display_raster(&shown, &display)?;
+    raster.metadata = image.metadata.clone();
+    output::write_png(target, &raster)?;
+    Ok(shown)
+}
+
+/// A script's tone curve, from and to luminance relative to display white.
+fn curve_value(curve: Option<&Function>, luminance: f64) -> crate::Result<f64> {
+    let failed = |problem: String| Error::inconsistent("image:save: tone", problem);
+    match curve.map(|curve| curve.call::<Value>(luminance)) {
+        Some(Ok(Value::Number(value))) => Ok(value),
+        Some(Ok(Value::Integer(value))) => Ok(value as f64),
+        Some(Ok(other)) => {
+            Err(failed(format!("returned {}, expected a number", options::describe(&other))))
+        }
+        Some(Err(error)) => Err(failed(error.to_string())),
+        None => Ok(luminance),
+    }
+}
+
+/// `"auto"`, a factor, or `{ev = stops}`.
+fn exposure(options: &Options) -> mlua::Result<Exposure> {
+    match options.value("exposure")? {
+        Value::Nil => Ok(Exposure::Auto),
+        Value::Table(table) => {
+            let object = format!("{}: exposure", options.object());
+            let stops = Options::new(&object, Value::Table(table), &["ev"])?;
+            Ok(Exposure::Stops(stops.required_number("ev", Range::new(-100.0, 100.0, "stops"))?))
+        }
+        Value::String(_) => {
+            let words = [("auto", Exposure::Auto)];
+            Ok(options.choice("exposure", &words)?.unwrap_or_default())
+        }
+        _ => {
+            let factor = options.required_number("exposure", Range::above_zero(""))?;
+            Ok(Exposure::Factor(factor))
+        }
+    }
+}
+
+fn png_stats(lua: &Lua, shown: &DisplayImage) -> mlua::Result<Table> {
+    let table = lua.create_table()?;
+    table.set("exposure", shown.exposure_factor)?;
+    table.set("outside_gamut", shown.gamut.outside())?;
+    table.set("too_dark", shown.gamut.too_dark)?;
+    table.set("too_bright", shown.gamut.too_bright)?;
+    table.set("too_saturated", shown.gamut.too_saturated)?;
+    table.set("mean_delta_e_2000", shown.gamut.mean_delta_e_2000)?;
+    table.set("max_delta_e_2000", shown.gamut.max_delta_e_2000)?;
+    Ok(table)
 }
 
 fn stats(lua: &Lua, rendered: &Rendered) -> mlua::Result<Table> {

@@ -1,4 +1,4 @@
-//! `lampyris.rayset`, and the light sources made from geometry.
+//! `lampyris.rayset`: ray files, and ray sets from tables.
 
 use std::sync::Arc;
 
@@ -11,7 +11,8 @@ use super::{fault, host};
 use crate::error::Error;
 use crate::geometry::DVec3;
 use crate::light::rayfile::{self, LightOptions};
-use crate::light::{Coil, Cylinder, Filament, RaySample, RaySet};
+use crate::light::start_surface::StartSurface;
+use crate::light::{RaySample, RaySet, thinning};
 use crate::spectrum::Spectrum;
 
 /// Handle of a light source: its samples and its spectrum.
@@ -23,8 +24,8 @@ pub struct LuaLight {
 
 const NAMES: [&str; 4] = ["count", "flux", "spectrum", "transform"];
 
-const FLUX: Range = Range::above_zero("lm");
-const MAX_SAMPLES: u64 = 100_000_000;
+pub(super) const FLUX: Range = Range::above_zero("lm");
+pub(super) const MAX_SAMPLES: u64 = 100_000_000;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     let table = lua.create_table()?;
@@ -37,18 +38,13 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
         fault::function(lua, |_, a| from_tables(Arguments::new("rayset.new", a, 1)?))?,
     )?;
     fault::refuse_unknown_names(lua, &table, "lampyris.rayset")?;
-    module.set("rayset", table)?;
-    module.set(
-        "cylinder",
-        fault::function(lua, |_, a| cylinder(Arguments::new("cylinder", a, 1)?))?,
-    )?;
-    module
-        .set("filament", fault::function(lua, |_, a| filament(Arguments::new("filament", a, 1)?))?)
+    module.set("rayset", table)
 }
 
 fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let path = arguments.text("path")?;
-    let options = arguments.options(&["flux", "spectrum", "transform"])?;
+    let keys = ["flux", "samples", "seed", "spectrum", "start", "transform"];
+    let options = arguments.options(&keys)?;
     let host = host::of(lua)?;
     let file = rayfile::read(&host.input(&path))?;
     for warning in &file.warnings {
@@ -58,11 +54,41 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
         spectrum: options.spectrum("spectrum")?,
         flux_lm: options.number("flux", FLUX)?,
     };
-    let (rays, spectrum) = file.into_light(given)?;
+    let (mut rays, spectrum) = file.into_light(given)?;
+    if let Some(count) = options.count("samples", 1, MAX_SAMPLES)? {
+        rays = rays.thinned(count as usize, seed(&options)?);
+    }
+    if options.has("start")? {
+        rays = rays.starting_at(&start_surface(options.value("start")?)?)?;
+    }
     placed(LuaLight { rays, spectrum: Arc::new(spectrum) }, options.value("transform")?)
 }
 
-fn placed(light: LuaLight, transform: Value) -> mlua::Result<LuaLight> {
+/// Draws repeat: the same seed gives the same samples.
+pub(super) fn seed(options: &Options) -> mlua::Result<u64> {
+    /// Every whole number up to here is a number of Lua's.
+    const LAST: u64 = 1 << 53;
+    Ok(options.count("seed", 0, LAST)?.unwrap_or(thinning::DEFAULT_SEED))
+}
+
+/// `{axis =, through =}` or `{point =}`, with an optional `radius`.
+fn start_surface(value: Value) -> mlua::Result<StartSurface> {
+    const OBJECT: &str = "rayset.load: start";
+    let options = Options::new(OBJECT, value, &["axis", "point", "radius", "through"])?;
+    let core = match (options.vector("axis")?, options.vector("point")?) {
+        (Some(axis), None) => {
+            StartSurface::axis(options.vector("through")?.unwrap_or(DVec3::ZERO), axis)?
+        }
+        (None, Some(point)) => StartSurface::point(point)?,
+        _ => {
+            let problem = "expected either \"axis\" (with \"through\") or \"point\"";
+            return Err(Error::inconsistent(OBJECT, problem).into());
+        }
+    };
+    Ok(core.with_radius(options.number_or("radius", Range::NOT_NEGATIVE, 0.0)?)?)
+}
+
+pub(super) fn placed(light: LuaLight, transform: Value) -> mlua::Result<LuaLight> {
     let placement = placement("rayset: transform", transform)?;
     let world_from_local = placement.affine() * light.rays.world_from_local;
     Ok(LuaLight { rays: RaySet { world_from_local, ..light.rays }, ..light })
@@ -133,7 +159,7 @@ fn fluxes(options: &Options, count: usize) -> mlua::Result<Fluxes> {
     Ok(Fluxes { relative, total_lm: fluxes.iter().sum() })
 }
 
-fn required_spectrum(options: &Options) -> mlua::Result<Spectrum> {
+pub(super) fn required_spectrum(options: &Options) -> mlua::Result<Spectrum> {
     options.spectrum("spectrum")?.ok_or_else(|| {
         Error::MissingKey {
             object: options.object().to_owned(),
@@ -142,62 +168,6 @@ fn required_spectrum(options: &Options) -> mlua::Result<Spectrum> {
         }
         .into()
     })
-}
-
-fn samples(options: &Options, default: u64) -> mlua::Result<usize> {
-    Ok(options.count("samples", 1, MAX_SAMPLES)?.unwrap_or(default) as usize)
-}
-
-fn seed(options: &Options) -> mlua::Result<u64> {
-    Ok(options.count("seed", 0, 1 << 53)?.unwrap_or(1))
-}
-
-fn cylinder(mut arguments: Arguments) -> mlua::Result<LuaLight> {
-    let keys = ["axis", "center", "flux", "length", "radius", "samples", "seed", "spectrum"];
-    let options = arguments.options(&keys)?;
-    let cylinder = Cylinder {
-        center: options.vector("center")?.unwrap_or(DVec3::ZERO),
-        axis: options.vector("axis")?.unwrap_or(DVec3::X),
-        radius_mm: options.required_number("radius", Range::above_zero("mm"))?,
-        length_mm: options.required_number("length", Range::above_zero("mm"))?,
-        flux_lm: options.required_number("flux", FLUX)?,
-        samples: samples(&options, 10_000)?,
-        seed: seed(&options)?,
-    };
-    let spectrum = Arc::new(required_spectrum(&options)?);
-    Ok(LuaLight { rays: cylinder.rayset()?, spectrum })
-}
-
-fn filament(mut arguments: Arguments) -> mlua::Result<LuaLight> {
-    let keys = [
-        "axis",
-        "center",
-        "coil_radius",
-        "flux",
-        "pitch",
-        "samples",
-        "seed",
-        "spectrum",
-        "turns",
-        "wire_radius",
-    ];
-    let options = arguments.options(&keys)?;
-    let mm = Range::above_zero("mm");
-    let filament = Filament {
-        coil: Coil {
-            wire_radius_mm: options.required_number("wire_radius", mm)?,
-            turns: options.required_number("turns", Range::above_zero(""))?,
-            pitch_mm: options.required_number("pitch", mm)?,
-            coil_radius_mm: options.required_number("coil_radius", mm)?,
-        },
-        center: options.vector("center")?.unwrap_or(DVec3::ZERO),
-        axis: options.vector("axis")?.unwrap_or(DVec3::X),
-        flux_lm: options.required_number("flux", FLUX)?,
-        samples: samples(&options, 100_000)?,
-        seed: seed(&options)?,
-    };
-    let spectrum = Arc::new(required_spectrum(&options)?);
-    Ok(LuaLight { rays: filament.rayset()?, spectrum })
 }
 
 impl UserData for LuaLight {

@@ -199,7 +199,7 @@ impl UserData for LuaMesh {
         fault::method(methods, "save", |lua, this: &Self, a| {
             let path = Arguments::new("mesh:save", a, 1)?.text("path")?;
             let path = host::of(lua)?.output(&path)?;
-            Ok(output::write_file(&path, obj::to_text(&this.0).as_bytes())?)
+            Ok(output::write_text(&path, &obj::to_text(&this.0))?)
         });
         methods.add_meta_method(MetaMethod::Len, |_, this, ()| Ok(this.0.triangles.len()));
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {

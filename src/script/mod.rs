@@ -8,6 +8,8 @@ mod host;
 mod options;
 mod sandbox;
 
+mod display;
+mod emitter;
 mod image;
 mod light;
 mod material;
@@ -55,8 +57,10 @@ fn module(lua: &Lua) -> mlua::Result<Table> {
     mesh::register(lua, &module)?;
     material::register(lua, &module)?;
     light::register(lua, &module)?;
+    emitter::register(lua, &module)?;
     view::register(lua, &module)?;
     scene::register(lua, &module)?;
+    display::register(lua, &module)?;
     fault::refuse_unknown_names(lua, &module, "lampyris")?;
     Ok(module)
 }

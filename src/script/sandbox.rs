@@ -35,7 +35,30 @@ pub(super) fn new_state() -> mlua::Result<Lua> {
     }
     globals.get::<Table>("string")?.set("dump", Value::Nil)?;
     globals.set("load", lua.create_function(load_text)?)?;
+    replace_pcall(&lua)?;
     Ok(lua)
+}
+
+/// `pcall` and `xpcall` that give scripts a plain message, and let Ctrl-C through.
+fn replace_pcall(lua: &Lua) -> mlua::Result<()> {
+    const WRAPPERS: &str = r#"
+        local raw_pcall, raw_xpcall, caught = ...
+        local function checked(ok, ...)
+            if ok then return true, ... end
+            return false, caught((...))
+        end
+        local function pcall(f, ...) return checked(raw_pcall(f, ...)) end
+        local function xpcall(f, handler, ...)
+            return raw_xpcall(f, function(e) return handler(caught(e)) end, ...)
+        end
+        return pcall, xpcall
+    "#;
+    let globals = lua.globals();
+    let caught = lua.create_function(fault::caught)?;
+    let raw = (globals.get::<Value>("pcall")?, globals.get::<Value>("xpcall")?, caught);
+    let (pcall, xpcall): (Value, Value) = lua.load(WRAPPERS).set_name("=__pcall").call(raw)?;
+    globals.set("pcall", pcall)?;
+    globals.set("xpcall", xpcall)
 }
 
 fn keep_only(table: &Table, kept: &[&str]) -> mlua::Result<()> {

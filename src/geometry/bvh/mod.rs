@@ -1,19 +1,35 @@
 //! The bounding volume hierarchy: which triangle a ray meets first, and whether any is in its way.
+//!
+//! Three steps build it: [`binary`] orders the triangles by the surface area heuristic, [`forest`]
+//! chooses which binary nodes become nodes of eight children and packets of eight triangles,
+//! [`wide`] lays these out. A ray goes through it ([`walk`]) with one of the f32 kernels
+//! ([`kernel`], `avx2`), which only leave out what it cannot meet; whether and where it meets the
+//! rest is decided in f64 ([`probe`]), on the mesh itself. So hits are the same bits on any machine,
+//! and the same as without a tree.
 
+#[cfg(target_arch = "x86_64")]
+mod avx2;
 mod binary;
 mod bounds;
 mod departure;
+mod forest;
+mod kernel;
 mod probe;
+mod query;
 #[cfg(test)]
 mod tests;
+mod walk;
+mod wide;
 
 use std::sync::Arc;
 
-use super::{DVec3, Hit, Mesh, Ray, TriangleId};
-use binary::{BinaryNode, Primitive};
-use bounds::{Box3, Frame};
+use rayon::prelude::*;
+
+use super::{DVec3, Mesh, TriangleId};
+use binary::Primitive;
+use bounds::Frame;
 pub use departure::Departure;
-use probe::{Crossing, Probe};
+use wide::Tree;
 
 /// All triangles of a scene, ordered for rays. Shares the meshes, never copies their positions.
 #[derive(Debug, Clone)]
@@ -24,8 +40,32 @@ pub struct Bvh {
     low: DVec3,
     high: DVec3,
     frame: Frame,
-    nodes: Vec<BinaryNode>,
-    triangles: Vec<u32>,
+    tree: Tree,
+    simd: Simd,
+}
+
+/// Which kernel walks the tree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Simd {
+    /// What the target of the build has.
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+}
+
+impl Simd {
+    fn detect() -> Simd {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("popcnt")
+        {
+            return Simd::Avx2;
+        }
+        Simd::Portable
+    }
 }
 
 impl Bvh {
@@ -37,84 +77,55 @@ impl Bvh {
             let last = first_triangles[first_triangles.len() - 1];
             first_triangles.push(last + mesh.triangles.len() as u32);
         }
-        let mut low = DVec3::INFINITY;
-        let mut high = DVec3::NEG_INFINITY;
-        for mesh in meshes {
-            for corners in sound_triangles(mesh).map(|(_, corners)| corners) {
-                for corner in corners {
-                    low = low.min(corner);
-                    high = high.max(corner);
-                }
-            }
-        }
+        let (low, high) = meshes.iter().map(|mesh| bounds_of(mesh)).fold(NOWHERE, join);
         let frame = Frame::new(low, high);
-        let mut primitives: Vec<Primitive> = Vec::new();
-        for (mesh, first) in meshes.iter().zip(&first_triangles) {
-            primitives.extend(sound_triangles(mesh).map(|(index, corners)| Primitive {
-                bounds: frame.box_of(corners),
+        let mut bvh = Bvh {
+            meshes: meshes.to_vec(),
+            first_triangles,
+            low,
+            high,
+            frame,
+            tree: Tree { nodes: Vec::new(), packets: Vec::new(), root: None },
+            simd: Simd::detect(),
+        };
+        bvh.tree = bvh.build_tree();
+        bvh
+    }
+
+    fn build_tree(&self) -> Tree {
+        let mut primitives = Vec::new();
+        for (mesh, &first) in self.meshes.iter().zip(&self.first_triangles) {
+            primitives.par_extend(sound_triangles(mesh).map(|(index, corners)| Primitive {
+                bounds: self.frame.box_of(corners),
                 triangle: first + index,
             }));
         }
         let nodes = binary::build(&mut primitives);
-        let triangles = primitives.iter().map(|p| p.triangle).collect();
-        let meshes = meshes.to_vec();
-        Bvh { meshes, first_triangles, low, high, frame, nodes, triangles }
+        let triangle_at = |place: u32| {
+            let triangle = primitives[place as usize].triangle;
+            (triangle, self.corners(TriangleId(triangle)))
+        };
+        let forests = forest::plan(&nodes, |node| {
+            let places = node.first..node.first + node.count;
+            wide::fits_a_packet(places.map(|place| triangle_at(place).1))
+        });
+        Tree::new(&nodes, &forests, triangle_at)
     }
 
-    /// The nearest triangle that the ray meets, on either side, but not `leaving`. Of triangles at
-    /// exactly the same distance it is that with the lower number.
-    pub fn closest_hit(&self, ray: &Ray, leaving: Option<TriangleId>) -> Option<Hit> {
-        let probe = self.probe(ray)?;
-        let mut best: Option<(Crossing, u32)> = None;
-        self.visit(&probe, f64::INFINITY, |triangle| {
-            if leaving != Some(TriangleId(triangle))
-                && let Some(found) = probe.cross(self.corners(TriangleId(triangle)))
-                && best.is_none_or(|(b, id)| (found.t_mm, triangle) < (b.t_mm, id))
-            {
-                best = Some((found, triangle));
-            }
-            best.map_or(f64::INFINITY, |(b, _)| b.t_mm)
-        });
-        best.map(|(crossing, triangle)| Hit {
-            distance_mm: crossing.t_mm + probe.advance_mm,
-            u: crossing.u,
-            v: crossing.v,
-            triangle: TriangleId(triangle),
-        })
-    }
-
-    /// Whether a triangle lies strictly between `from` and `target`, of those objects for which
-    /// `blocks` (one a mesh) is true. `from` is a [`Departure`]'s, `leaving` the triangle left.
-    pub fn is_occluded(
-        &self,
-        from: DVec3,
-        target: DVec3,
-        leaving: Option<TriangleId>,
-        blocks: &[bool],
-    ) -> bool {
-        let Some((ray, length_mm)) = self.segment(from, target) else { return false };
-        let Some(probe) = self.probe(&ray) else { return false };
-        let end_mm = length_mm - probe.advance_mm;
-        let mut is_hidden = false;
-        self.visit(&probe, end_mm, |triangle| {
-            let id = TriangleId(triangle);
-            is_hidden = is_hidden
-                || (leaving != Some(id)
-                    && blocks[self.locate(id).0]
-                    && probe.cross(self.corners(id)).is_some_and(|found| found.t_mm < end_mm));
-            if is_hidden { -1.0 } else { end_mm }
-        });
-        is_hidden
+    /// Walks with the kernel that needs nothing of the processor, to compare it.
+    pub fn with_simd(mut self, simd: Simd) -> Bvh {
+        self.simd = simd;
+        self
     }
 
     /// Object and index in its mesh of a triangle.
+    #[inline]
     pub fn locate(&self, triangle: TriangleId) -> (usize, usize) {
         let object = self.first_triangles.partition_point(|&first| first <= triangle.0) - 1;
         (object, (triangle.0 - self.first_triangles[object]) as usize)
     }
 
     /// Corners of a triangle, mm.
-    #[inline]
     pub fn corners(&self, triangle: TriangleId) -> [DVec3; 3] {
         let (object, index) = self.locate(triangle);
         let mesh = &self.meshes[object];
@@ -123,85 +134,35 @@ impl Bvh {
 
     /// Lowest and highest corner of the scene, mm; `None` if no triangle has an area.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
-        (!self.triangles.is_empty()).then_some((self.low, self.high))
+        self.tree.root.map(|_| (self.low, self.high))
     }
 
     /// Memory of the tree, without the meshes.
     pub fn memory_bytes(&self) -> usize {
-        size_of_val(&self.nodes[..]) + size_of_val(&self.triangles[..])
+        self.tree.memory_bytes() + size_of_val(&self.first_triangles[..])
     }
 
     fn radius_mm(&self) -> f64 {
         self.frame.radius_mm
     }
-
-    /// `None` if the ray passes the scene by.
-    fn probe(&self, ray: &Ray) -> Option<Probe> {
-        if self.triangles.is_empty() {
-            return None;
-        }
-        let to_center = self.frame.center - ray.origin;
-        let along_mm = to_center.dot(ray.direction);
-        let beside = to_center - ray.direction * along_mm;
-        // The sphere, and what rounding far away may take from the distance to it.
-        let reach_mm = self.frame.radius_mm * (1.0 + 1e-6)
-            + 8.0 * f64::EPSILON * (along_mm.abs() + ray.origin.length());
-        // Negated so that rays with NaN end here.
-        if !(beside.length_squared() <= reach_mm * reach_mm && along_mm >= -reach_mm) {
-            return None;
-        }
-        Some(Probe::new(ray, (along_mm - reach_mm).max(0.0)))
-    }
-
-    /// The ray to `target` and its length, a little before the target so that a surface on which
-    /// the target lies doesn't hide it.
-    fn segment(&self, from: DVec3, target: DVec3) -> Option<(Ray, f64)> {
-        let path = target - from;
-        let length_mm = path.length();
-        let scale_mm = target.abs().max_element() + 2.0 * self.radius_mm() + length_mm;
-        let margin_mm = departure::LIFT * 0.5 * f64::EPSILON * scale_mm;
-        (length_mm > margin_mm)
-            .then(|| (Ray { origin: from, direction: path / length_mm }, length_mm - margin_mm))
-    }
-
-    /// Calls `visit` with every triangle whose box the probe meets before the distance that `visit`
-    /// last returned, beginning with `end_mm`.
-    fn visit(&self, probe: &Probe, mut end_mm: f64, mut visit: impl FnMut(u32) -> f64) {
-        let origin = self.frame.to_frame(probe.origin);
-        let inverse = probe.direction.to_array().map(|d| {
-            let d = d as f32;
-            1.0 / if d.abs() < 1e-18 { 1e-18f32.copysign(d) } else { d }
-        });
-        let mut stack = vec![0usize];
-        while let Some(index) = stack.pop() {
-            let node = &self.nodes[index];
-            if !meets(&node.bounds, origin, inverse, (end_mm * self.frame.per_mm) as f32) {
-                continue;
-            }
-            match node.children() {
-                None => end_mm = visit(self.triangles[node.first as usize]),
-                Some([left, right]) => stack.extend([index + right, index + left]),
-            }
-        }
-    }
-}
-
-fn meets(bounds: &Box3, origin: [f32; 3], inverse: [f32; 3], end: f32) -> bool {
-    let mut near = 0.0f32;
-    let mut far = end.next_up();
-    for axis in 0..3 {
-        let a = (bounds.low[axis] - origin[axis]) * inverse[axis];
-        let b = (bounds.high[axis] - origin[axis]) * inverse[axis];
-        near = near.max(a.min(b));
-        far = far.min(a.max(b));
-    }
-    near <= far
 }
 
 /// Index and corners of the triangles that can be met.
-fn sound_triangles(mesh: &Mesh) -> impl Iterator<Item = (u32, [DVec3; 3])> {
-    (0..).zip(&mesh.triangles).filter_map(|(index, triangle)| {
+fn sound_triangles(mesh: &Mesh) -> impl ParallelIterator<Item = (u32, [DVec3; 3])> {
+    mesh.triangles.par_iter().enumerate().filter_map(|(index, triangle)| {
         let corners = triangle.map(|position| mesh.positions[position as usize]);
-        (!probe::is_degenerate(corners)).then_some((index, corners))
+        (!probe::is_degenerate(corners)).then_some((index as u32, corners))
     })
+}
+
+const NOWHERE: (DVec3, DVec3) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+
+fn join(a: (DVec3, DVec3), b: (DVec3, DVec3)) -> (DVec3, DVec3) {
+    (a.0.min(b.0), a.1.max(b.1))
+}
+
+fn bounds_of(mesh: &Mesh) -> (DVec3, DVec3) {
+    sound_triangles(mesh)
+        .map(|(_, [a, b, c])| (a.min(b).min(c), a.max(b).max(c)))
+        .reduce(|| NOWHERE, join)
 }

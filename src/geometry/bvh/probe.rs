@@ -20,13 +20,13 @@ const CANCELLATION: f64 = 1.0 / 4096.0;
 /// A ray made ready for many exact tests.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Probe {
-    pub origin: DVec3,
-    pub direction: DVec3,
+    pub origin: [f64; 3],
+    pub direction: [f64; 3],
     /// How far `origin` was moved along the ray of the caller, mm.
     pub advance_mm: f64,
     /// Axis order: the last is that in which the direction is longest.
-    axes: [usize; 3],
-    shear: [f64; 3],
+    pub axes: [usize; 3],
+    pub shear: [f64; 3],
 }
 
 /// Where a probe crosses a triangle: distance from the probe's origin, weights of corners 1 and 2.
@@ -54,38 +54,42 @@ impl Probe {
         let shear = [d[axes[0]] * per_depth, d[axes[1]] * per_depth, per_depth];
         let origin =
             if advance_mm > 0.0 { ray.origin + ray.direction * advance_mm } else { ray.origin };
-        Probe { origin, direction: ray.direction, advance_mm, axes, shear }
+        Probe { origin: origin.to_array(), direction: d, advance_mm, axes, shear }
     }
 
     /// Both sides of a triangle count; one seen exactly edge-on is never met.
-    #[inline(always)]
+    #[cfg(test)]
     pub fn cross(&self, corners: [DVec3; 3]) -> Option<Crossing> {
-        let [a, b, c] = corners.map(|corner| self.to_sheared(corner));
-        let (wa, wb, wc) = (edge(c, b), edge(a, c), edge(b, a));
-        if (wa < 0.0 || wb < 0.0 || wc < 0.0) && (wa > 0.0 || wb > 0.0 || wc > 0.0) {
-            return None;
-        }
-        let area = wa + wb + wc;
-        if area == 0.0 {
-            return None;
-        }
-        let per_area = 1.0 / area;
-        let t_mm = (wa * a[2] + wb * b[2] + wc * c[2]) * per_area;
-        // False for NaN too.
-        (t_mm > 0.0).then(|| Crossing { t_mm, u: wb * per_area, v: wc * per_area })
+        cross(corners.map(|corner| self.to_sheared(corner.to_array())))
     }
 
     /// 2D position about the ray, and distance along it.
     #[inline(always)]
-    fn to_sheared(self, corner: DVec3) -> [f64; 3] {
-        let offset = (corner - self.origin).to_array();
-        let depth = offset[self.axes[2]];
+    pub fn to_sheared(&self, corner: [f64; 3]) -> [f64; 3] {
+        let depth = corner[self.axes[2]] - self.origin[self.axes[2]];
         [
-            offset[self.axes[0]] - self.shear[0] * depth,
-            offset[self.axes[1]] - self.shear[1] * depth,
+            corner[self.axes[0]] - self.origin[self.axes[0]] - self.shear[0] * depth,
+            corner[self.axes[1]] - self.origin[self.axes[1]] - self.shear[1] * depth,
             self.shear[2] * depth,
         ]
     }
+}
+
+/// Where the third axis crosses a triangle of sheared corners.
+#[inline(always)]
+pub(super) fn cross([a, b, c]: [[f64; 3]; 3]) -> Option<Crossing> {
+    let (wa, wb, wc) = (edge(c, b), edge(a, c), edge(b, a));
+    if (wa < 0.0) | (wb < 0.0) | (wc < 0.0) && (wa > 0.0) | (wb > 0.0) | (wc > 0.0) {
+        return None;
+    }
+    let area = wa + wb + wc;
+    if area == 0.0 {
+        return None;
+    }
+    let per_area = 1.0 / area;
+    let t_mm = (wa * a[2] + wb * b[2] + wc * c[2]) * per_area;
+    // False for NaN too.
+    (t_mm > 0.0).then(|| Crossing { t_mm, u: wb * per_area, v: wc * per_area })
 }
 
 /// Twice the signed area of (0, p, q); exactly `-edge(q, p)`.

@@ -1,36 +1,159 @@
 //! The sum over a RAYSET at a hit, exactly or within a stated error (eq. 9).
 
+mod blocks;
+mod descent;
+mod eight;
+mod levels;
+mod node;
+mod octahedron;
+mod order;
+mod table;
+
+use std::f64::consts::PI;
+
+use glam::{DAffine3, DVec3};
+
 use crate::light::RaySet;
-use crate::light::sum::{HitQuery, LightSum, Visibility, reference_sum};
+use crate::light::sum::block::{BlockQuery, Scratch};
+use crate::light::sum::power::LobeSet;
+use crate::light::sum::{HitQuery, LightSum, Photometry, Side, Visibility};
+
+use blocks::Blocks;
+use descent::Descent;
+use levels::Levels;
 
 /// A RAYSET prepared for sums at many hits.
+///
+/// Sums run in the set's own coordinates: the hit is moved there, not the samples.
 #[derive(Debug, Clone)]
 pub struct LightTree {
-    set: RaySet,
+    blocks: Blocks,
+    /// None for small sets.
+    levels: Option<Levels>,
+    world_from_local: DAffine3,
+    local_from_world: DAffine3,
+    /// Of the placement.
+    scale: f64,
+    /// Φ_i of a sample whose flux is 1.
+    lm_per_flux: f64,
+}
+
+/// The f32 of nodes holds no less; below it every sum is exact.
+const SMALLEST_LIGHT_ERROR: f64 = 1e-4;
+
+/// What one side of a hit adds up to, in the set's relative fluxes.
+#[derive(Debug, Clone, Copy, Default)]
+struct SideSum {
+    sum: f64,
+    error: f64,
+    nodes: u32,
+    samples: u32,
 }
 
 impl LightTree {
+    /// The same bits for any number of threads.
+    ///
+    /// Samples that are not finite, or have neither flux nor direction, are left out.
     pub fn build(set: &RaySet) -> LightTree {
-        LightTree { set: set.clone() }
+        let order = order::order(&set.samples);
+        let blocks = Blocks::new(set, &order);
+        let levels = Levels::build(&blocks, order.depth);
+        let total: f64 = set.samples.iter().map(|sample| f64::from(sample.flux)).sum();
+        LightTree {
+            blocks,
+            levels,
+            world_from_local: set.world_from_local,
+            local_from_world: set.world_from_local.inverse(),
+            scale: set.world_from_local.matrix3.determinant().abs().cbrt(),
+            lm_per_flux: if total > 0.0 { set.flux_lm / total } else { 0.0 },
+        }
     }
 
     /// Eq. 9 at a hit.
     ///
     /// `light_error`: largest error relative to each of the two sums; 0 for the exact sum.
-    pub fn sum(
-        &self,
-        query: &HitQuery,
-        _light_error: f64,
-        visible: Option<Visibility>,
-    ) -> LightSum {
-        reference_sum(&self.set, query, visible)
+    pub fn sum(&self, query: &HitQuery, light_error: f64, visible: Option<Visibility>) -> LightSum {
+        let lobes = LobeSet::new(query.lobes, query.photometry);
+        let mut sum = LightSum::default();
+        if query.reflects {
+            let side = self.sum_side(query, &lobes, Side::reflected(query), light_error, visible);
+            (sum.reflected, sum.reflected_error) = (side.sum, side.error);
+            (sum.nodes, sum.samples) = (side.nodes, side.samples);
+        }
+        if query.transmits {
+            let side = self.sum_side(query, &lobes, Side::transmitted(query), light_error, visible);
+            (sum.transmitted, sum.transmitted_error) = (side.sum, side.error);
+            sum.nodes += side.nodes;
+            sum.samples += side.samples;
+        }
+        sum
     }
 
+    /// Samples that emit.
     pub fn len(&self) -> usize {
-        self.set.samples.len()
+        self.blocks.blocks.last().map_or(0, |block| block.samples.end as usize)
     }
 
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Of the tree and its copy of the samples, without the ray set itself.
+    pub fn memory_bytes(&self) -> usize {
+        self.blocks.memory_bytes() + self.levels.as_ref().map_or(0, Levels::memory_bytes)
+    }
+
+    fn sum_side(
+        &self,
+        query: &HitQuery,
+        lobes: &LobeSet,
+        side: Side,
+        light_error: f64,
+        visible: Option<Visibility>,
+    ) -> SideSum {
+        let to_local = |v: DVec3| self.local_from_world.transform_vector3(v).normalize_or_zero();
+        let query_here = BlockQuery {
+            point: self.local_from_world.transform_point3(query.point),
+            side: Side { normal: to_local(side.normal), axis: to_local(side.axis) },
+            lobes,
+            inverse_square: query.photometry == Photometry::Absolute,
+        };
+        let free_here =
+            |p: DVec3| visible.is_none_or(|free| free(self.world_from_local.transform_point3(p)));
+        let visible_here = visible.map(|_| &free_here as Visibility);
+        let mut side_sum = match &self.levels {
+            Some(levels) if light_error >= SMALLEST_LIGHT_ERROR => Descent {
+                levels,
+                blocks: &self.blocks,
+                query: &query_here,
+                visible: visible_here,
+                light_error,
+            }
+            .run(),
+            _ => self.sum_exact(&query_here, visible_here),
+        };
+        let unit = self.lm_per_flux * self.distance_unit(query.photometry);
+        side_sum.sum *= unit;
+        side_sum.error *= unit;
+        side_sum
+    }
+
+    /// 1/(π r²) in m⁻² for r of 1 in the set's own coordinates.
+    fn distance_unit(&self, photometry: Photometry) -> f64 {
+        match photometry {
+            Photometry::Relative => 1.0,
+            Photometry::Absolute => 1.0 / (PI * (self.scale * 1e-3).powi(2)),
+        }
+    }
+
+    fn sum_exact(&self, query: &BlockQuery, visible: Option<Visibility>) -> SideSum {
+        let mut total = SideSum::default();
+        let mut scratch = Scratch::new();
+        for index in 0..self.blocks.blocks.len() {
+            let (sum, samples) = self.blocks.sum(index, query, visible, &mut scratch);
+            total.sum += sum;
+            total.samples += samples;
+        }
+        total
     }
 }

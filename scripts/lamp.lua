@@ -1,0 +1,416 @@
+--- A rear combination lamp of three chambers, built from a table of sizes.
+--
+--   local lamp = require "lamp"
+--   local rear = lamp.build { coarseness = 2 }
+--   lamp.objects(rear, "red") -- for lampyris.scene
+--   rear.chambers[2].focus    -- where the middle chamber's bulb belongs
+--
+-- Lengths in mm. The optical axis is +Z, out of the lamp; +X is to the right of who looks at it.
+-- A place on the lamp's face is (s, t): s from 0 (left) to 1 (right), t from 0 (bottom) to 1 (top).
+
+local lampyris = require "lampyris"
+
+local lamp = {}
+
+lamp.defaults = {
+  coarseness = 1, -- multiplies the length of every mesh edge
+  reflector_edge = 1.2,
+  lens_edge = 2.0,
+
+  -- the face
+  width = 420,
+  height = 150,
+  taper = 0.15, -- the right end is lower by this share
+  lift = 0.7, -- share of the taper that is taken from the bottom
+  slant = 0.10, -- the ends lean: mm to the right for each mm up
+
+  -- the lens: a closed body of this thickness where it is thinnest
+  lens = {
+    front = 118, -- z of the outer face in the middle
+    radius_x = 1500, -- how the outer face is bent from left to right
+    radius_y = 900,
+    thickness = 3,
+    optics = { kind = "pillows", width = 9, height = 9, depth = 0.25 },
+  },
+
+  -- the chambers, from left to right
+  margin = 4, -- from the lens's rim to the reflectors
+  rib = 4, -- between two chambers
+  hole = 12, -- radius, for the bulb
+  chambers = {
+    { from = 0, to = 1 / 3, focal = 25, back = -8 },
+    { from = 1 / 3, to = 2 / 3, focal = 25, back = 0 },
+    { from = 2 / 3, to = 1, focal = 25, back = -8 },
+  },
+  optics = { kind = "pillows", width = 14, height = 14, depth = 0.7, depth_up = 0.4 }, -- of chambers without own
+}
+
+--- `options` over `defaults`, table in table; lists are taken whole.
+local function merged(defaults, options)
+  local result = {}
+  for key, value in pairs(defaults) do
+    result[key] = value
+  end
+  for key, value in pairs(options or {}) do
+    if defaults[key] == nil and key ~= 1 then
+      error(("lamp: unknown key \"%s\""):format(key), 0)
+    end
+    local is_record = type(value) == "table" and #value == 0 and value.kind == nil
+    result[key] = is_record and merged(defaults[key], value) or value
+  end
+  return result
+end
+
+local function lerp(a, b, t)
+  return a + (b - a) * t
+end
+
+-- Optics: how far a surface stands out toward the viewer, over a grid of cells. ------------------
+
+--- A cell's own coordinates: -1 to 1 over each of `count` cells.
+local function within_cell(place, count)
+  local cell = place * count
+  return 2 * (cell - math.min(math.floor(cell), count - 1)) - 1
+end
+
+--- Height over the base surface at (a, b) in a cell, for depths across and up, by kind.
+local relief = {
+  pillows = function(a, b, across, up) return across * (1 - a * a) + up * (1 - b * b) end,
+  flutes = function(a, _, across) return across * (1 - a * a) end, -- upright ridges
+  bars = function(_, b, _, up) return up * (1 - b * b) end, -- level ridges
+  plain = function() return 0 end,
+}
+
+--- Cells of the optics over a patch of this size: at least one each way.
+local function cells_of(optics, width, height)
+  local function count(length, cell)
+    return cell and math.max(1, math.floor(length / cell + 0.5)) or 1
+  end
+  return count(width, optics.width), count(height, optics.height)
+end
+
+--- z over the base surface as a function of (u, v) in a patch of this size.
+local function relief_function(optics, columns, rows)
+  local shape = relief[optics.kind] or error(("lamp: unknown optics \"%s\""):format(optics.kind), 0)
+  local across = optics.depth or 0
+  local up = optics.depth_up or across
+  return function(u, v)
+    return shape(within_cell(u, columns), within_cell(v, rows), across, up)
+  end
+end
+
+-- Meshing. ---------------------------------------------------------------------------------------
+
+--- Mean length of the lines along which u (or v) runs.
+local function mean_length(point, along_v)
+  local lines, steps, sum = 9, 48, 0
+  for line = 0, lines - 1 do
+    local across = (line + 0.5) / lines
+    local px, py, pz
+    for step = 0, steps do
+      local u, v = step / steps, across
+      if along_v then u, v = v, u end
+      local x, y, z = point(u, v)
+      if px then
+        sum = sum + math.sqrt((x - px) ^ 2 + (y - py) ^ 2 + (z - pz) ^ 2)
+      end
+      px, py, pz = x, y, z
+    end
+  end
+  return sum / lines
+end
+
+--- Cells along u and v so that edges are near `edge`, whole numbers of them in each optics' cell.
+-- The mean edge of two right triangles is 1.14 times the side of their square.
+local function divisions(point, edge, columns, rows)
+  local function count(length, cells)
+    return cells * math.max(1, math.floor(length / cells / (edge / 1.14) + 0.5))
+  end
+  return count(mean_length(point, false), columns or 1), count(mean_length(point, true), rows or 1)
+end
+
+local function surface(point, edge, columns, rows, keep)
+  local nu, nv = divisions(point, edge, columns, rows)
+  return lampyris.mesh.surface { nu = nu, nv = nv, point = point, keep = keep }
+end
+
+--- A body between two sheets over the same grid, closed along the rim by shared positions.
+-- `front(u, v)` and `back(u, v)` return x, y, z; the outside is the front of every triangle.
+local function closed_body(front, back, nu, nv)
+  local positions, triangles = {}, {}
+  for _, sheet in ipairs { front, back } do
+    for j = 0, nv do
+      for i = 0, nu do
+        positions[#positions + 1] = { sheet(i / nu, j / nv) }
+      end
+    end
+  end
+  local sheet_size = (nu + 1) * (nv + 1)
+  local function at(i, j)
+    return j * (nu + 1) + i + 1
+  end
+  local function quad(a, b, c, d)
+    triangles[#triangles + 1] = { a, b, c }
+    triangles[#triangles + 1] = { a, c, d }
+  end
+  for j = 0, nv - 1 do
+    for i = 0, nu - 1 do
+      local a, b, c, d = at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)
+      quad(a, b, c, d)
+      quad(d + sheet_size, c + sheet_size, b + sheet_size, a + sheet_size)
+    end
+  end
+  -- The rim, counter-clockwise as seen from the front.
+  local rim = {}
+  for i = 0, nu - 1 do rim[#rim + 1] = at(i, 0) end
+  for j = 0, nv - 1 do rim[#rim + 1] = at(nu, j) end
+  for i = nu, 1, -1 do rim[#rim + 1] = at(i, nv) end
+  for j = nv, 1, -1 do rim[#rim + 1] = at(0, j) end
+  for k, a in ipairs(rim) do
+    local b = rim[k % #rim + 1]
+    quad(a, a + sheet_size, b + sheet_size, b)
+  end
+  return lampyris.mesh.new { positions = positions, triangles = triangles }
+end
+
+-- The parts. -------------------------------------------------------------------------------------
+
+--- x, y of a place on the face.
+local function face_function(o)
+  return function(s, t)
+    local lost = o.taper * o.height * s * s
+    local y = lerp(-0.5 * o.height + o.lift * lost, 0.5 * o.height - (1 - o.lift) * lost, t)
+    return (s - 0.5) * o.width + o.slant * y, y
+  end
+end
+
+--- z of the lens's outer face.
+local function outer_face_function(lens)
+  return function(x, y)
+    return lens.front - x * x / (2 * lens.radius_x) - y * y / (2 * lens.radius_y)
+  end
+end
+
+local function build_lens(o, face)
+  local lens = o.lens
+  local columns, rows = cells_of(lens.optics, o.width, o.height)
+  local bump = relief_function(lens.optics, columns, rows)
+  local outer = outer_face_function(lens)
+  local function front(u, v)
+    local x, y = face(u, v)
+    return x, y, outer(x, y)
+  end
+  local function back(u, v)
+    local x, y = face(u, v)
+    return x, y, outer(x, y) - lens.thickness - bump(u, v)
+  end
+  local nu, nv = divisions(front, o.lens_edge * o.coarseness, columns, rows)
+  return closed_body(front, back, nu, nv)
+end
+
+--- The part of the face that a chamber has, as a function of its own (u, v).
+local function chamber_face(o, face, chamber)
+  local function inset(end_of_lamp)
+    return (end_of_lamp and o.margin or 0.5 * o.rib) / o.width
+  end
+  local a = chamber.from + inset(chamber.from == 0)
+  local b = chamber.to - inset(chamber.to == 1)
+  local c = o.margin / o.height
+  return function(u, v)
+    return face(lerp(a, b, u), lerp(c, 1 - c, v))
+  end
+end
+
+local function paraboloid(focal, x, y)
+  return (x * x + y * y) / (4 * focal)
+end
+
+--- z of the reflector over the chamber's middle (x0, y0), without optics.
+local base_shapes = {
+  paraboloid = function(chamber, dx, dy)
+    return paraboloid(chamber.focal, dx, dy)
+  end,
+  -- Focal lengths that differ across and up, and grow outward: wider light, no facets.
+  free = function(chamber, dx, dy)
+    local spread = chamber.spread or { 0.12, 0.05 }
+    local r2 = (dx * dx + dy * dy) / 3600
+    return paraboloid(chamber.focal, dx * (1 - spread[1] * r2), dy * (1 - spread[2] * r2))
+  end,
+}
+
+--- Flat facets: the base surface at the corners of each cell, bilinear between them.
+local function faceted(base, columns, rows)
+  return function(u, v)
+    local i = math.min(math.floor(u * columns), columns - 1)
+    local j = math.min(math.floor(v * rows), rows - 1)
+    local p, q = u * columns - i, v * rows - j
+    local function corner(di, dj)
+      return base((i + di) / columns, (j + dj) / rows)
+    end
+    return lerp(lerp(corner(0, 0), corner(1, 0), p), lerp(corner(0, 1), corner(1, 1), p), q)
+  end
+end
+
+local function build_chamber(o, face, chamber)
+  local optics = chamber.optics or o.optics
+  local place = chamber_face(o, face, chamber)
+  local x0, y0 = place(0.5, 0.5)
+  local x1, y1 = place(1, 1)
+  local columns, rows = cells_of(optics, 2 * (x1 - x0), 2 * (y1 - y0))
+  local shape = base_shapes[chamber.shape or "paraboloid"]
+  local function base(u, v)
+    local x, y = place(u, v)
+    return chamber.back + shape(chamber, x - x0, y - y0)
+  end
+  if optics.facets then
+    base = faceted(base, columns, rows)
+  end
+  local bump = relief_function(optics, columns, rows)
+  local function reflector(u, v)
+    local x, y = place(u, v)
+    return x, y, base(u, v) + bump(u, v)
+  end
+  local edge = o.reflector_edge * o.coarseness
+  local function around_hole(x, y)
+    return (x - x0) ^ 2 + (y - y0) ^ 2 > o.hole ^ 2
+  end
+  return {
+    reflector = surface(reflector, edge, columns, rows, around_hole),
+    focus = { x0, y0, chamber.back + chamber.focal },
+    place = place,
+    rim = reflector,
+    middle = { x0, y0, chamber.back },
+  }
+end
+
+--- Walls from a chamber's rim to the lens, facing inward, and the bulb's socket behind the hole.
+local function chamber_housing(o, chamber)
+  local inner = o.lens.thickness + 1 -- clear of the pillows
+  local outer = outer_face_function(o.lens)
+  local edge = o.lens_edge * o.coarseness
+  local function wall(edge_of)
+    return surface(function(u, v)
+      local x, y, z = chamber.rim(edge_of(u))
+      return x, y, lerp(z, outer(x, y) - inner, v)
+    end, edge)
+  end
+  local x0, y0, z0 = table.unpack(chamber.middle)
+  local radius, depth = o.hole + 2.5 * o.coarseness, 7
+  local socket = lampyris.mesh.surface {
+    nu = 48,
+    nv = 8,
+    point = function(u, v)
+      -- a disc that rises to a collar around the hole
+      local angle = 2 * math.pi * u
+      local r = lerp(0.05, 1, v) * radius
+      return x0 + r * math.cos(angle), y0 + r * math.sin(angle), z0 - depth * (1 - v ^ 8)
+    end,
+  }
+  return {
+    wall(function(u) return 1 - u, 0 end),
+    wall(function(u) return u, 1 end),
+    wall(function(u) return 0, u end),
+    wall(function(u) return 1, 1 - u end),
+    socket,
+  }
+end
+
+--- What faces the viewer between and around the chambers, and the skirt around all.
+local function frame(o, face)
+  local outer = outer_face_function(o.lens)
+  local edge = o.lens_edge * o.coarseness
+  local behind = o.lens.thickness + 1
+  local function strip(s0, s1, t0, t1)
+    return surface(function(u, v)
+      local x, y = face(lerp(s0, s1, u), lerp(t0, t1, v))
+      return x, y, outer(x, y) - behind
+    end, edge)
+  end
+  local function skirt(at)
+    return surface(function(u, v)
+      local x, y = face(at(u))
+      return x, y, lerp(-12, outer(x, y) - behind, v)
+    end, 2 * edge)
+  end
+  local side, level, half_rib = o.margin / o.width, o.margin / o.height, 0.5 * o.rib / o.width
+  local parts = {
+    strip(0, side, 0, 1),
+    strip(1 - side, 1, 0, 1),
+    strip(side, 1 - side, 0, level),
+    strip(side, 1 - side, 1 - level, 1),
+    skirt(function(u) return u, 0 end),
+    skirt(function(u) return 1 - u, 1 end),
+    skirt(function(u) return 0, 1 - u end),
+    skirt(function(u) return 1, u end),
+  }
+  for k = 2, #o.chambers do
+    local middle = o.chambers[k].from
+    parts[#parts + 1] = strip(middle - half_rib, middle + half_rib, level, 1 - level)
+  end
+  return parts
+end
+
+--- Builds the lamp's meshes.
+-- Returns { lens, housing, chambers = { { reflector, focus }, … }, triangle_count }.
+function lamp.build(options)
+  local o = merged(lamp.defaults, options)
+  local face = face_function(o)
+  local housing = frame(o, face)
+  local result = { lens = build_lens(o, face), chambers = {} }
+  result.triangle_count = #result.lens
+  for k, chamber in ipairs(o.chambers) do
+    local built = build_chamber(o, face, chamber)
+    table.move(chamber_housing(o, built), 1, 5, #housing + 1, housing)
+    result.chambers[k] = { reflector = built.reflector, focus = built.focus }
+    result.triangle_count = result.triangle_count + #built.reflector
+  end
+  result.housing = lampyris.mesh.merge(housing)
+  result.triangle_count = result.triangle_count + #result.housing
+  return result
+end
+
+-- Materials (Table 4) and the scene's objects. ---------------------------------------------------
+
+--- Aluminium, red, amber, light amber PMMA, and the housing's dark plastic.
+function lamp.materials()
+  local function load(name)
+    return lampyris.spectrum.load(("../data/materials/%s.csv"):format(name))
+  end
+  local function lens(name)
+    return lampyris.material {
+      reflectance = ((1.49 - 1) / (1.49 + 1)) ^ 2, -- Fresnel's, at normal incidence
+      transmittance = load(name),
+      thickness = 3,
+      ior = 1.49,
+      k_tg = 0.95, k_rg = 0.05,
+      k_d = 0.08, k_s = 0.92, n_d = 50, n_s = 1500,
+    }
+  end
+  return {
+    aluminium = lampyris.material {
+      reflectance = load "aluminium_mcpeak2015",
+      k_tg = 0.05, k_rg = 0.95,
+      k_d = 0.08, k_s = 0.92, n_d = 10, n_s = 1500,
+    },
+    red = lens "pmma_red_3mm",
+    amber = lens "pmma_amber_3mm",
+    light_amber = lens "pmma_light_amber_3mm",
+    -- glossy black: what is not mirrored is swallowed but for a tenth
+    housing = lampyris.material { reflectance = 0.04, k_d = 0.1, k_s = 0.9, n_d = 1, n_s = 100 },
+  }
+end
+
+--- The list of objects that lampyris.scene takes; `lens` names a material of lamp.materials.
+function lamp.objects(built, lens)
+  local materials = lamp.materials()
+  local objects = {
+    { mesh = built.lens, material = materials[lens or "red"] },
+    { mesh = built.housing, material = materials.housing },
+  }
+  for _, chamber in ipairs(built.chambers) do
+    objects[#objects + 1] = { mesh = chamber.reflector, material = materials.aluminium }
+  end
+  return objects
+end
+
+return lamp

@@ -1,0 +1,140 @@
+//! The samples as the exact kernel wants them, and the exact sum over any of the blocks.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::order::{Order, Placed};
+use crate::light::sum::block::{Block, BlockQuery, LANES, Reach, SampleGroup, Scratch, sum_block};
+use crate::light::{RaySample, RaySet, Visibility};
+
+/// All samples of a set in blocks; coordinates and fluxes are the set's own.
+#[derive(Debug, Clone)]
+pub(super) struct Blocks {
+    pub blocks: Vec<Block>,
+    pub groups: Vec<SampleGroup>,
+    /// Index in `source` of each sample in block order.
+    order: Vec<u32>,
+    source: Arc<[RaySample]>,
+}
+
+impl Blocks {
+    pub fn new(set: &RaySet, order: &Order) -> Blocks {
+        let pairs: Vec<(usize, usize)> = order.starts.windows(2).map(|w| (w[0], w[1])).collect();
+        let built: Vec<(Block, Vec<SampleGroup>)> = pairs
+            .par_iter()
+            .map(|&(start, end)| build_block(&set.samples, &order.placed[start..end], start))
+            .collect();
+        let mut groups = Vec::with_capacity(built.iter().map(|(_, groups)| groups.len()).sum());
+        let mut blocks = Vec::with_capacity(built.len());
+        for (mut block, block_groups) in built {
+            let start = groups.len() as u32;
+            groups.extend(block_groups);
+            block.groups = start..groups.len() as u32;
+            blocks.push(block);
+        }
+        let order = order.placed.iter().map(|sample| sample.index).collect();
+        Blocks { blocks, groups, order, source: set.samples.clone() }
+    }
+
+    pub fn groups_of(&self, block: &Block) -> &[SampleGroup] {
+        &self.groups[block.groups.start as usize..block.groups.end as usize]
+    }
+
+    pub fn samples_of(&self, block: &Block) -> impl Iterator<Item = &RaySample> {
+        let order = &self.order[block.samples.start as usize..block.samples.end as usize];
+        order.iter().map(|index| &self.source[*index as usize])
+    }
+
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&*self.blocks) + size_of_val(&*self.groups) + size_of_val(&*self.order)
+    }
+
+    /// Σ Φ c (k_d g_d + Σ k_s g_s) over a block, in the set's relative fluxes; (sum, samples).
+    ///
+    /// `visible` takes positions in the set's own coordinates.
+    pub fn sum(
+        &self,
+        index: usize,
+        query: &BlockQuery,
+        visible: Option<Visibility>,
+        scratch: &mut Scratch,
+    ) -> (f64, u32) {
+        let block = &self.blocks[index];
+        let reach = block.reach(query.point, &query.side, query.lobes);
+        let sum = match (reach, visible) {
+            (Reach::Nothing, _) => return (0.0, 0),
+            (Reach::NeedsF64, _) => self.sum_f64(block, query, visible),
+            (_, None) => sum_block(self.groups_of(block), block.center, query, reach, scratch),
+            (_, Some(free)) => {
+                sum_block(self.groups_of(block), block.center, query, reach, scratch);
+                let values = scratch.contributions(block.samples.len()).zip(self.samples_of(block));
+                let seen = values.filter(|(value, sample)| *value > 0.0 && free(place(sample)));
+                seen.map(|(value, _)| f64::from(value)).sum()
+            }
+        };
+        (sum, block.samples.end - block.samples.start)
+    }
+
+    fn sum_f64(&self, block: &Block, query: &BlockQuery, visible: Option<Visibility>) -> f64 {
+        self.samples_of(block)
+            .filter_map(|sample| {
+                let value = contribution_f64(sample, query);
+                (value > 0.0 && visible.is_none_or(|free| free(place(sample)))).then_some(value)
+            })
+            .sum()
+    }
+}
+
+fn place(sample: &RaySample) -> DVec3 {
+    DVec3::from(sample.position.map(f64::from))
+}
+
+fn contribution_f64(sample: &RaySample, query: &BlockQuery) -> f64 {
+    let to_light = place(sample) - query.point;
+    let l = to_light.normalize_or_zero();
+    let q = DVec3::from(sample.direction.map(f64::from)).normalize_or_zero();
+    let emitted = f64::from(sample.flux) * (-l.dot(q)).max(0.0);
+    if emitted == 0.0 || l.dot(query.side.normal) <= 0.0 {
+        return 0.0;
+    }
+    let power = |axis: DVec3, (weight, exponent): (f64, f64)| {
+        let versine = 0.5 * (axis - l).length_squared();
+        if versine < 1.0 { weight * (exponent * (-versine).ln_1p()).exp() } else { 0.0 }
+    };
+    let diffuse = query.lobes.exact_diffuse;
+    let mut scattered = if diffuse.0 > 0.0 { power(query.side.normal, diffuse) } else { 0.0 };
+    for lobe in &query.lobes.exact_specular {
+        scattered += power(query.side.axis, *lobe);
+    }
+    // 1e-9 mm: nearer than that, 1/r² would leave f64.
+    let falloff = if query.inverse_square { to_light.length().max(1e-9).powi(-2) } else { 1.0 };
+    emitted * scattered * falloff
+}
+
+fn build_block(source: &[RaySample], placed: &[Placed], start: usize) -> (Block, Vec<SampleGroup>) {
+    let positions = || placed.iter().map(|p| DVec3::from(p.position.map(f64::from)));
+    let center = box_center(positions());
+    let radius = positions().map(|p| p.distance(center)).fold(0.0, f64::max);
+    let mut groups = vec![SampleGroup::EMPTY; placed.len().div_ceil(LANES)];
+    for (i, (position, sample)) in positions().zip(placed).enumerate() {
+        let sample = &source[sample.index as usize];
+        let direction = DVec3::from(sample.direction.map(f64::from)).normalize_or_zero();
+        let (offset, flux) = (position - center, direction * f64::from(sample.flux));
+        let group = &mut groups[i / LANES];
+        for axis in 0..3 {
+            group.offset[axis][i % LANES] = offset[axis] as f32;
+            group.flux[axis][i % LANES] = flux[axis] as f32;
+        }
+    }
+    let samples = start as u32..(start + placed.len()) as u32;
+    // The stored offsets are rounded: let the sphere hold those.
+    (Block { center, radius: radius * (1.0 + 1e-6), groups: 0..0, samples }, groups)
+}
+
+pub(super) fn box_center(positions: impl Iterator<Item = DVec3>) -> DVec3 {
+    let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let (low, high) = positions.fold(empty, |(low, high), p| (low.min(p), high.max(p)));
+    if low.x <= high.x { (low + high) * 0.5 } else { DVec3::ZERO }
+}

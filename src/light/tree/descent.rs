@@ -1,0 +1,187 @@
+//! The descent: expand nodes until their estimated errors together are within the budget.
+
+use glam::DVec3;
+
+use super::SideSum;
+use super::blocks::Blocks;
+use super::eight::Eight;
+use super::levels::Levels;
+use super::node::{NodeQuery, NodeSums, eval_octet};
+use crate::light::Visibility;
+use crate::light::sum::block::{BlockQuery, Scratch};
+
+/// Sums under this fraction of what the set could send straight at the hit count as dark: their
+/// error is absolute.
+const DARK: f64 = 1e-14;
+
+/// With shadows, nodes of more than 1/64 of the samples are always expanded: a blocker that hides
+/// less of the set than such a node's mean place may be missed.
+const SHADOW_LEVEL: usize = 1;
+
+/// A node that stands for its samples.
+#[derive(Debug, Clone, Copy)]
+struct Leaf {
+    value: f32,
+    error: f32,
+    level: u8,
+    node: u32,
+}
+
+/// One side of a hit, and what it asks of the tree.
+pub(super) struct Descent<'a> {
+    pub levels: &'a Levels,
+    pub blocks: &'a Blocks,
+    pub query: &'a BlockQuery<'a>,
+    pub visible: Option<Visibility<'a>>,
+    pub light_error: f64,
+}
+
+impl Descent<'_> {
+    pub fn run(&self) -> SideSum {
+        let local = (self.query.point - self.levels.center).as_vec3();
+        let node_query = NodeQuery {
+            point: local.into(),
+            normal: self.query.side.normal.as_vec3().into(),
+            axis: self.query.side.axis.as_vec3().into(),
+            diffuse: self.query.lobes.diffuse,
+            specular: &self.query.lobes.specular,
+            inverse_square: self.query.inverse_square,
+        };
+        let mut state = State::new();
+        self.expand_octet(0, 0, &node_query, &mut state);
+        while let Some(threshold) = self.threshold(&state) {
+            let mut kept = 0;
+            for i in 0..state.leaves.len() {
+                let leaf = state.leaves[i];
+                if f64::from(leaf.error) > threshold {
+                    state.expanded.push(leaf);
+                } else {
+                    state.leaves[kept] = leaf;
+                    kept += 1;
+                }
+            }
+            state.leaves.truncate(kept);
+            while let Some(leaf) = state.expanded.pop() {
+                self.expand(leaf, &node_query, &mut state);
+            }
+        }
+        let (value, error) = state.totals();
+        SideSum { sum: value, error, nodes: state.nodes, samples: state.samples }
+    }
+
+    /// The error over which nodes are expanded; none once all of them are within the budget.
+    ///
+    /// Nodes that stay may take half of the budget, so that their siblings' children have room.
+    fn threshold(&self, state: &State) -> Option<f64> {
+        let (value, error) = state.totals();
+        let budget = self.light_error * (value - error).max(self.dark_sum());
+        if error <= budget {
+            return None;
+        }
+        let mut by_exponent = [0.0f64; 256];
+        for leaf in &state.leaves {
+            by_exponent[(leaf.error.to_bits() >> 23) as usize & 255] += f64::from(leaf.error);
+        }
+        // In the first rounds `value − error` says little; the value itself is the better guess.
+        let guess = 0.5 * budget.max(0.5 * self.light_error * value);
+        let (mut stays, mut exponent) = (0.0, 0u32);
+        while exponent < 255 && stays + by_exponent[exponent as usize] <= guess {
+            stays += by_exponent[exponent as usize];
+            exponent += 1;
+        }
+        // All of the bucket at `exponent`: at least the largest are expanded.
+        let below = f32::from_bits((exponent << 23).saturating_sub(1));
+        let largest = state.leaves.iter().map(|leaf| leaf.error).fold(0.0, f32::max);
+        Some(f64::from(below.min(largest * 0.999)))
+    }
+
+    fn dark_sum(&self) -> f64 {
+        let weights = self.query.lobes.total_weight() * self.levels.flux * DARK;
+        if !self.query.inverse_square {
+            return weights;
+        }
+        weights / self.query.point.distance_squared(self.levels.center).max(f64::MIN_POSITIVE)
+    }
+
+    fn expand(&self, leaf: Leaf, query: &NodeQuery, state: &mut State) {
+        let level = usize::from(leaf.level);
+        if level + 1 < self.levels.levels.len() {
+            self.expand_octet(level + 1, leaf.node as usize, query, state);
+            return;
+        }
+        let per_node = self.levels.levels[level].blocks_per_node;
+        let first = leaf.node as usize * per_node;
+        for block in first..first + per_node {
+            let (sum, samples) =
+                self.blocks.sum(block, self.query, self.visible, &mut state.scratch);
+            state.exact += sum;
+            state.samples += samples;
+        }
+    }
+
+    /// Octets of a level are in the order of their parents.
+    fn expand_octet(&self, level: usize, octet: usize, query: &NodeQuery, state: &mut State) {
+        let at = &self.levels.levels[level];
+        let mut sums = eval_octet(&at.octets[octet], (at.grid, at.table(octet)), query);
+        state.nodes += 8;
+        if let Some(free) = self.visible {
+            self.shade(&mut sums, free, level);
+        }
+        for lane in 0..8 {
+            let (value, error) = (sums.value.0[lane], sums.error.0[lane]);
+            if value > 0.0 || error > 0.0 {
+                let node = (octet * 8 + lane) as u32;
+                state.leaves.push(Leaf { value, error, level: level as u8, node });
+            }
+        }
+    }
+
+    /// Takes hidden nodes away. Where siblings disagree, any of them may be hidden in part.
+    fn shade(&self, sums: &mut NodeSums, free: Visibility, level: usize) {
+        let sends = |lane: usize| sums.value.0[lane] > 0.0;
+        let place = |lane: usize| DVec3::from(sums.place.map(|axis| f64::from(axis.0[lane])));
+        let seen: [bool; 8] =
+            std::array::from_fn(|lane| sends(lane) && free(place(lane) + self.levels.center));
+        let some_seen = (0..8).any(|lane| sends(lane) && seen[lane]);
+        let some_hidden = (0..8).any(|lane| sends(lane) && !seen[lane]);
+        if (some_seen && some_hidden) || level < SHADOW_LEVEL {
+            sums.error = sums.error + sums.value;
+        } else if some_hidden {
+            sums.error = Eight::ZERO;
+        }
+        for lane in 0..8 {
+            if !seen[lane] {
+                sums.value.0[lane] = 0.0;
+            }
+        }
+    }
+}
+
+struct State {
+    leaves: Vec<Leaf>,
+    expanded: Vec<Leaf>,
+    exact: f64,
+    nodes: u32,
+    samples: u32,
+    scratch: Scratch,
+}
+
+impl State {
+    fn new() -> State {
+        State {
+            leaves: Vec::with_capacity(256),
+            expanded: Vec::with_capacity(64),
+            exact: 0.0,
+            nodes: 0,
+            samples: 0,
+            scratch: Scratch::new(),
+        }
+    }
+
+    /// (value, estimated error).
+    fn totals(&self) -> (f64, f64) {
+        let value: f64 = self.leaves.iter().map(|leaf| f64::from(leaf.value)).sum();
+        let error: f64 = self.leaves.iter().map(|leaf| f64::from(leaf.error)).sum();
+        (self.exact + value, error)
+    }
+}

@@ -1,0 +1,145 @@
+//! The nodes of the tree: every level halves the one above three times, eight children a node.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::blocks::Blocks;
+use super::eight::{Eight, Vectors};
+use super::octahedron::Grid;
+use super::table::{CHANNELS, CellSamples, build_tables};
+
+/// Sets of fewer blocks (about 2000 samples) are summed as fast without tables.
+const FEWEST_BLOCKS_DEPTH: u32 = 3;
+
+/// Levels of more nodes have no tables: memory grows by 5 kB a node.
+const MOST_NODES: usize = 4096;
+
+/// Up to this many nodes the grid is fine, since most hits end there.
+const MOST_FINE_NODES: usize = 512;
+
+const FINE: Grid = Grid { cells: 32 };
+const COARSE: Grid = Grid { cells: 16 };
+
+/// Eight siblings. A lane without a node has flux 0.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Octet {
+    /// Relative to the tree's center.
+    pub center: Vectors,
+    /// Of spheres about the centers that hold the samples.
+    pub radius: Eight,
+    pub flux: Eight,
+}
+
+/// Nodes of equal depth.
+#[derive(Debug, Clone)]
+pub(super) struct Level {
+    pub octets: Vec<Octet>,
+    pub grid: Grid,
+    tables: Vec<f32>,
+    /// Consecutive blocks that a node holds.
+    pub blocks_per_node: usize,
+}
+
+impl Level {
+    pub fn table(&self, octet: usize) -> &[f32] {
+        let stride = self.grid.vertices() * CHANNELS * 8;
+        &self.tables[octet * stride..(octet + 1) * stride]
+    }
+}
+
+/// From the root's children down.
+#[derive(Debug, Clone)]
+pub(super) struct Levels {
+    pub levels: Vec<Level>,
+    pub center: DVec3,
+    /// Σ flux.
+    pub flux: f64,
+}
+
+impl Levels {
+    /// None for a set too small to gain from it.
+    pub fn build(blocks: &Blocks, depth: u32) -> Option<Levels> {
+        if depth < FEWEST_BLOCKS_DEPTH {
+            return None;
+        }
+        let center = super::blocks::box_center(blocks.blocks.iter().map(|block| block.center));
+        // The first level takes what is left over, so that all others are whole octets.
+        let first = if depth % 3 == 0 { 3 } else { depth % 3 };
+        let levels: Vec<Level> = (first..=depth)
+            .step_by(3)
+            .filter(|bits| 1usize << bits <= MOST_NODES)
+            .map(|bits| build_level(blocks, center, 1 << bits))
+            .collect();
+        let flux =
+            levels.first()?.octets.iter().flat_map(|octet| octet.flux.0).map(f64::from).sum();
+        Some(Levels { levels, center, flux })
+    }
+
+    pub fn memory_bytes(&self) -> usize {
+        let of_level = |level: &Level| size_of_val(&*level.octets) + size_of_val(&*level.tables);
+        self.levels.iter().map(of_level).sum()
+    }
+}
+
+fn build_level(blocks: &Blocks, center: DVec3, nodes: usize) -> Level {
+    let blocks_per_node = blocks.blocks.len() / nodes;
+    let grid = if nodes <= MOST_FINE_NODES { FINE } else { COARSE };
+    let places: Vec<Place> =
+        (0..nodes).into_par_iter().map(|node| Place::of(blocks, node, blocks_per_node)).collect();
+    let cells: Vec<CellSamples> = places
+        .iter()
+        .enumerate()
+        .map(|(node, place)| cell_samples(blocks, node * blocks_per_node, blocks_per_node, place))
+        .collect();
+    let tables = build_tables(&cells, grid);
+    let octets = places.chunks(8).map(|eight| octet(eight, center)).collect();
+    Level { octets, grid, tables, blocks_per_node }
+}
+
+struct Place {
+    center: DVec3,
+    radius: f64,
+    flux: f64,
+}
+
+impl Place {
+    fn of(blocks: &Blocks, node: usize, blocks_per_node: usize) -> Place {
+        let range = node * blocks_per_node..(node + 1) * blocks_per_node;
+        let samples = || blocks.blocks[range.clone()].iter().flat_map(|b| blocks.samples_of(b));
+        let positions = || samples().map(|s| DVec3::from(s.position.map(f64::from)));
+        let center = super::blocks::box_center(positions());
+        let radius = positions().map(|p| p.distance(center)).fold(0.0, f64::max);
+        let flux = samples().map(|sample| f64::from(sample.flux)).sum();
+        Place { center, radius, flux }
+    }
+}
+
+fn cell_samples<'a>(
+    blocks: &'a Blocks,
+    first: usize,
+    count: usize,
+    place: &Place,
+) -> CellSamples<'a> {
+    let shifted = |block: &'a crate::light::sum::block::Block| {
+        let shift = block.center - place.center;
+        (blocks.groups_of(block), shift.as_vec3().into())
+    };
+    CellSamples { blocks: blocks.blocks[first..first + count].iter().map(shifted).collect() }
+}
+
+fn octet(places: &[Place], tree_center: DVec3) -> Octet {
+    // Empty lanes lie where the first node is, so that they ask for the same directions.
+    let place = |lane: usize| places.get(lane).unwrap_or(&places[0]);
+    let lanes = |f: &dyn Fn(&Place) -> f64| Eight(std::array::from_fn(|i| f(place(i)) as f32));
+    let flux = Eight(std::array::from_fn(|i| places.get(i).map_or(0.0, |p| p.flux as f32)));
+    Octet {
+        center: [
+            lanes(&|p| p.center.x - tree_center.x),
+            lanes(&|p| p.center.y - tree_center.y),
+            lanes(&|p| p.center.z - tree_center.z),
+        ],
+        // f32 rounds center and offsets: let the sphere hold the rounded ones.
+        radius: lanes(&|p| p.radius * (1.0 + 1e-5) + 1e-7 * (p.center - tree_center).length()),
+        flux,
+    }
+}

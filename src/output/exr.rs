@@ -1,0 +1,393 @@
+//! Images as OpenEXR files in the spectral layout of Fichet, Pacanowski & Wilkie, JCGT 10(3), 2021.
+//!
+//! Channels, all 32-bit float, ZIP: `X Y Z` (eq. 4), `R G B` (linear Rec. 709 of them), one a
+//! band (`S0.380,000000nm`, a comma because a dot would part layers), and `error` and `samples`
+//! where the image has them. The layout's one legal unit has no nm⁻¹, yet its reference code
+//! integrates the bands over λ: they are samples of a density, and [`DENSITY`] says so.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use ::exr::image::Blocks;
+use ::exr::prelude::{
+    AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, Layer,
+    LayerAttributes, LineOrder, MetaData, ReadChannels, ReadLayers, Text, WritableImage, read,
+};
+
+use super::atomic::write_atomically;
+use crate::color::rec709_from_xyz;
+use crate::error::{Error, Place, Result};
+use crate::image::{Metadata, SpectralImage};
+use crate::light::sum::Photometry;
+use crate::spectrum::WavelengthGrid;
+
+/// Attribute that says what the bands are a density over.
+pub const DENSITY: &str = "spectralDensity";
+/// Attributes of our own: this before a key of [`Metadata`], or before `photometry`.
+pub const PREFIX: &str = "lampyris.";
+
+/// Writes `image` to `path`, whole or not at all; equal images give equal bytes.
+///
+/// Errors: [`Error::Io`]; [`Error::Inconsistent`] for an image without pixels.
+pub fn write_exr(path: &Path, image: &SpectralImage) -> Result<()> {
+    if image.width == 0 || image.height == 0 {
+        return Err(Error::inconsistent("image", "has no pixels"));
+    }
+    let layer = Layer::new(
+        (image.width, image.height),
+        attributes(image),
+        Encoding {
+            compression: Compression::ZIP16,
+            blocks: Blocks::ScanLines,
+            // In order, whichever thread compressed a block.
+            line_order: LineOrder::Increasing,
+        },
+        AnyChannels::sort(channels(image).into_iter().collect()),
+    );
+    let exr = Image::from_layer(layer);
+    write_atomically(path, |file| {
+        exr.write().to_unbuffered(&mut *file).map_err(io_error)?;
+        sort_attributes(file)
+    })
+}
+
+fn io_error(error: ::exr::error::Error) -> io::Error {
+    match error {
+        ::exr::error::Error::Io(error) => error,
+        other => io::Error::other(other.to_string()),
+    }
+}
+
+fn channels(image: &SpectralImage) -> Vec<AnyChannel<FlatSamples>> {
+    let xyz: Vec<[f64; 3]> = image.to_xyz().pixels.into_iter().map(Into::into).collect();
+    let rgb: Vec<[f64; 3]> = xyz.iter().map(|&c| rec709_from_xyz(c.into())).collect();
+    let mut channels = Vec::new();
+    for (names, pixels) in [(["X", "Y", "Z"], &xyz), (["R", "G", "B"], &rgb)] {
+        for (c, name) in names.into_iter().enumerate() {
+            channels.push(channel(name, pixels.iter().map(|p| p[c] as f32).collect()));
+        }
+    }
+    let stride = image.grid.bands();
+    for (band, lambda_nm) in image.grid.wavelengths_nm().enumerate() {
+        let values = image.bands.iter().skip(band).step_by(stride).copied().collect();
+        channels.push(channel(&band_name(lambda_nm), values));
+    }
+    for (name, values) in [(ERROR, &image.error), (SAMPLES, &image.samples)] {
+        channels.extend(values.as_ref().map(|values| channel(name, values.clone())));
+    }
+    channels
+}
+
+const ERROR: &str = "error";
+const SAMPLES: &str = "samples";
+
+fn channel(name: &str, values: Vec<f32>) -> AnyChannel<FlatSamples> {
+    AnyChannel::new(name, FlatSamples::F32(values))
+}
+
+fn band_name(lambda_nm: f64) -> String {
+    format!("S0.{}nm", format!("{lambda_nm:.6}").replace('.', ","))
+}
+
+/// Wavelength of an emissive band in nm, from its channel's name.
+fn band_wavelength_nm(channel: &str) -> Option<f64> {
+    channel.strip_prefix("S0.")?.strip_suffix("nm")?.replace(',', ".").parse().ok()
+}
+
+fn attributes(image: &SpectralImage) -> LayerAttributes {
+    let density = match image.photometry {
+        Photometry::Absolute => "per nm",
+        Photometry::Relative => "per nm, relative: without an absolute unit",
+    };
+    let mut attributes = LayerAttributes::default();
+    let mut set = |key: &str, value: &str| {
+        attributes.other.insert(text(key), AttributeValue::Text(text(value)));
+    };
+    set("spectralLayoutVersion", "1.0");
+    set("emissiveUnits", "W.m^-2.sr^-1");
+    set(DENSITY, density);
+    set(&format!("{PREFIX}{PHOTOMETRY}"), photometry_name(image.photometry));
+    for (key, value) in &image.metadata {
+        set(&format!("{PREFIX}{key}"), value);
+    }
+    attributes
+}
+
+const PHOTOMETRY: &str = "photometry";
+
+fn photometry_name(photometry: Photometry) -> &'static str {
+    match photometry {
+        Photometry::Relative => "relative",
+        Photometry::Absolute => "absolute",
+    }
+}
+
+/// UTF-8, as OpenEXR asks for, where the crate's own conversion stops at Latin-1.
+fn text(string: &str) -> Text {
+    Text::from_bytes_unchecked(string.bytes().collect())
+}
+
+fn string(text: &Text) -> String {
+    String::from_utf8_lossy(text.as_slice()).into_owned()
+}
+
+/// Puts the header's attributes in the order of their names.
+///
+/// The crate keeps ours in a hash map, so that their order, and with it the bytes of the file,
+/// would differ from run to run. Sorting moves nothing that follows the header.
+fn sort_attributes(file: &mut File) -> io::Result<()> {
+    const MAGIC_AND_VERSION: u64 = 8;
+    file.seek(SeekFrom::Start(MAGIC_AND_VERSION))?;
+    let mut attributes = Vec::new();
+    let mut input = BufReader::new(&mut *file);
+    while let Some(attribute) = read_attribute(&mut input)? {
+        attributes.push(attribute);
+    }
+    attributes.sort();
+    file.seek(SeekFrom::Start(MAGIC_AND_VERSION))?;
+    file.write_all(&attributes.concat())
+}
+
+/// The bytes of one attribute: name, type, size, value; `None` at the header's end.
+fn read_attribute(input: &mut impl Read) -> io::Result<Option<Vec<u8>>> {
+    let mut bytes = Vec::new();
+    read_string(input, &mut bytes)?;
+    if bytes == [0] {
+        return Ok(None);
+    }
+    read_string(input, &mut bytes)?;
+    let mut size = [0; 4];
+    input.read_exact(&mut size)?;
+    bytes.extend(size);
+    let start = bytes.len();
+    bytes.resize(start + u32::from_le_bytes(size) as usize, 0);
+    input.read_exact(&mut bytes[start..])?;
+    Ok(Some(bytes))
+}
+
+/// Appends a NUL-terminated string with its NUL.
+fn read_string(input: &mut impl Read, bytes: &mut Vec<u8>) -> io::Result<()> {
+    let mut byte = [1];
+    while byte != [0] {
+        input.read_exact(&mut byte)?;
+        bytes.extend(byte);
+    }
+    Ok(())
+}
+
+/// What an EXR file holds, without its pixels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExrInfo {
+    pub width: usize,
+    pub height: usize,
+    /// Of the first layer, in the file's order.
+    pub channels: Vec<String>,
+    /// Bands of the spectral layout, nm, ascending.
+    pub wavelengths_nm: Vec<f64>,
+    /// Text attributes.
+    pub attributes: Metadata,
+}
+
+/// Errors: [`Error::Io`]; [`Error::BadFile`] if it is no EXR file.
+pub fn read_exr_info(path: &Path) -> Result<ExrInfo> {
+    let meta = MetaData::read_from_file(path, false).map_err(|e| read_error(path, e))?;
+    let header = meta.headers.first();
+    let header = header.ok_or_else(|| Error::bad_file(path, Place::File, "has no layer"))?;
+    let channels: Vec<String> = header.channels.list.iter().map(|c| string(&c.name)).collect();
+    let mut wavelengths_nm: Vec<f64> =
+        channels.iter().filter_map(|c| band_wavelength_nm(c)).collect();
+    wavelengths_nm.sort_by(f64::total_cmp);
+    let (own, shared) = (&header.own_attributes.other, &header.shared_attributes.other);
+    let attributes = own.iter().chain(shared).filter_map(text_attribute).collect();
+    let (width, height) = (header.layer_size.0, header.layer_size.1);
+    Ok(ExrInfo { width, height, channels, wavelengths_nm, attributes })
+}
+
+fn text_attribute((key, value): (&Text, &AttributeValue)) -> Option<(String, String)> {
+    match value {
+        AttributeValue::Text(value) => Some((string(key), string(value))),
+        _ => None,
+    }
+}
+
+fn read_error(path: &Path, error: ::exr::error::Error) -> Error {
+    match error {
+        ::exr::error::Error::Io(error) => Error::io(path, error),
+        other => Error::bad_file(path, Place::File, format!("not a readable EXR file: {other}")),
+    }
+}
+
+/// Reads a file of [`write_exr`], bit for bit.
+///
+/// Errors: [`Error::Io`]; [`Error::BadFile`] if it is no EXR file, or its bands are not 380 to
+/// 780 nm in steps of 5, 10 or 20 nm.
+pub fn read_exr(path: &Path) -> Result<SpectralImage> {
+    let info = read_exr_info(path)?;
+    let grid = grid_of(&info.wavelengths_nm).ok_or_else(|| {
+        let found = describe_bands(&info.wavelengths_nm);
+        let problem = format!("has {found}, expected 380 to 780 nm in steps of 5, 10 or 20 nm");
+        Error::bad_file(path, Place::File, problem)
+    })?;
+    let exr = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_file(path)
+        .map_err(|e| read_error(path, e))?;
+    let mut image = SpectralImage::new(info.width, info.height, grid, photometry_of(&info));
+    image.metadata = own_metadata(&info);
+    for channel in exr.layer_data.channel_data.list {
+        place_channel(&mut image, &string(&channel.name), &channel.sample_data);
+    }
+    Ok(image)
+}
+
+fn describe_bands(wavelengths_nm: &[f64]) -> String {
+    match wavelengths_nm {
+        [] => "no spectral bands".to_owned(),
+        [first, .., last] => format!("{} bands, {first} to {last} nm", wavelengths_nm.len()),
+        [one] => format!("one band, {one} nm"),
+    }
+}
+
+fn grid_of(wavelengths_nm: &[f64]) -> Option<WavelengthGrid> {
+    let grids = [WavelengthGrid::Step5, WavelengthGrid::Step10, WavelengthGrid::Step20];
+    grids.into_iter().find(|grid| grid.wavelengths_nm().eq(wavelengths_nm.iter().copied()))
+}
+
+fn photometry_of(info: &ExrInfo) -> Photometry {
+    match info.attributes.get(&format!("{PREFIX}{PHOTOMETRY}")).map(String::as_str) {
+        Some("relative") => Photometry::Relative,
+        // The layout's unit says radiance.
+        _ => Photometry::Absolute,
+    }
+}
+
+fn own_metadata(info: &ExrInfo) -> Metadata {
+    let own = info.attributes.iter();
+    own.filter_map(|(key, value)| Some((key.strip_prefix(PREFIX)?.to_owned(), value.clone())))
+        .filter(|(key, _)| key != PHOTOMETRY)
+        .collect()
+}
+
+fn place_channel(image: &mut SpectralImage, name: &str, samples: &FlatSamples) {
+    match name {
+        ERROR => image.error = Some(samples.values_as_f32().collect()),
+        SAMPLES => image.samples = Some(samples.values_as_f32().collect()),
+        _ => {
+            let lambda_nm = band_wavelength_nm(name);
+            let band = image.grid.wavelengths_nm().position(|l| Some(l) == lambda_nm);
+            let stride = image.grid.bands();
+            let places = image.bands.iter_mut().skip(band.unwrap_or(usize::MAX)).step_by(stride);
+            places.zip(samples.values_as_f32()).for_each(|(place, value)| *place = value);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Region;
+    use crate::output::scratch::Scratch;
+
+    /// Values from subnormal to near the top of f32.
+    fn image(grid: WavelengthGrid) -> SpectralImage {
+        let mut image = SpectralImage::new(37, 21, grid, Photometry::Relative);
+        let mut state = 1u32;
+        for value in &mut image.bands {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            *value = f32::from_bits(state % 0x7f00_0000);
+        }
+        image.error = Some((0..37 * 21).map(|i| i as f32 * 0.1).collect());
+        image.samples = Some(vec![4.0; 37 * 21]);
+        for (key, value) in [("script", "전조등.lua"), ("view", "azimuth 15°"), ("version", "0.1")]
+        {
+            image.metadata.insert(key.to_owned(), value.to_owned());
+        }
+        image
+    }
+
+    #[test]
+    fn reads_back_bit_for_bit() {
+        let scratch = Scratch::new();
+        for grid in [WavelengthGrid::Step5, WavelengthGrid::Step10, WavelengthGrid::Step20] {
+            let path = scratch.path("i.exr");
+            let written = image(grid);
+            write_exr(&path, &written).unwrap();
+            assert_eq!(read_exr(&path).unwrap(), written);
+        }
+    }
+
+    #[test]
+    fn equal_images_give_equal_bytes() {
+        let scratch = Scratch::new();
+        let bytes = |name: &str| {
+            let path = scratch.path(name);
+            write_exr(&path, &image(WavelengthGrid::Step20)).unwrap();
+            std::fs::read(path).unwrap()
+        };
+        // The crate's hash map would give two orders in all but one run of 5040.
+        assert!(bytes("a.exr") == bytes("b.exr"));
+    }
+
+    #[test]
+    fn layout_is_the_spectral_one() {
+        let scratch = Scratch::new();
+        let path = scratch.path("i.exr");
+        write_exr(&path, &image(WavelengthGrid::Step5)).unwrap();
+        let info = read_exr_info(&path).unwrap();
+        assert_eq!((info.width, info.height, info.channels.len()), (37, 21, 6 + 81 + 2));
+        for name in ["X", "Y", "Z", "R", "G", "B", "S0.380,000000nm", "S0.555,000000nm"] {
+            assert!(info.channels.iter().any(|c| c == name), "{name}");
+        }
+        assert_eq!(info.wavelengths_nm.len(), 81);
+        let attribute = |key: &str| info.attributes[key].as_str();
+        assert_eq!(attribute("spectralLayoutVersion"), "1.0");
+        assert_eq!(attribute("emissiveUnits"), "W.m^-2.sr^-1");
+        assert_eq!(attribute("spectralDensity"), "per nm, relative: without an absolute unit");
+        assert_eq!(attribute("lampyris.photometry"), "relative");
+        assert_eq!(attribute("lampyris.script"), "전조등.lua");
+    }
+
+    #[test]
+    fn xyz_channels_are_the_sums_of_the_bands() {
+        let scratch = Scratch::new();
+        let path = scratch.path("i.exr");
+        let mut flat = SpectralImage::new(2, 1, WavelengthGrid::Step5, Photometry::Absolute);
+        flat.bands[81..].fill(0.01);
+        write_exr(&path, &flat).unwrap();
+        let exr = ::exr::prelude::read_first_flat_layer_from_file(&path).unwrap();
+        let value = |name: &str| {
+            let channels = &exr.layer_data.channel_data.list;
+            let channel = channels.iter().find(|c| string(&c.name) == name).unwrap();
+            channel.sample_data.values_as_f32().nth(1).unwrap()
+        };
+        let xyz = flat.mean_xyz(Region::pixel(1, 0)).unwrap();
+        let rgb = rec709_from_xyz(xyz);
+        for (name, expected) in [("X", xyz.x), ("Y", xyz.y), ("Z", xyz.z), ("G", rgb[1])] {
+            // One rounding to f32.
+            assert!((f64::from(value(name)) - expected).abs() <= 1e-7 * expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn other_files_are_refused() {
+        let scratch = Scratch::new();
+        let path = scratch.path("i.exr");
+        std::fs::write(&path, "not an image").unwrap();
+        let message = read_exr(&path).unwrap_err().to_string();
+        assert!(message.contains("i.exr: not a readable EXR file"), "{message}");
+        ::exr::prelude::write_rgb_file(&path, 2, 2, |_, _| (0.0f32, 0.0f32, 0.0f32)).unwrap();
+        let message = read_exr(&path).unwrap_err().to_string();
+        assert!(
+            message.ends_with(
+                "has no spectral bands, expected 380 to 780 nm in steps of 5, 10 or 20 nm"
+            )
+        );
+        let empty = SpectralImage::new(0, 4, WavelengthGrid::Step5, Photometry::Relative);
+        assert!(write_exr(&path, &empty).is_err());
+    }
+}

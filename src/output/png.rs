@@ -1,0 +1,182 @@
+//! PNG files that say which colors their digits mean.
+
+use std::borrow::Cow;
+use std::io::{self, BufWriter};
+use std::path::Path;
+
+use super::atomic::write_atomically;
+use crate::display::{Display, DisplayImage};
+use crate::error::Result;
+use crate::image::Metadata;
+
+/// Digits with their meaning.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raster<'a> {
+    pub width: usize,
+    pub height: usize,
+    /// Red, green, blue of each pixel, row 0 on top.
+    pub samples: Samples<'a>,
+    pub color_space: ColorSpace,
+    /// iTXt chunks.
+    pub metadata: Metadata,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Samples<'a> {
+    Eight(Cow<'a, [u8]>),
+    Sixteen(Cow<'a, [u16]>),
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum ColorSpace {
+    /// The sRGB chunk.
+    Srgb,
+    /// An ICC profile, as the iCCP chunk.
+    Icc(Vec<u8>),
+}
+
+/// Writes `raster` to `path`, whole or not at all; equal rasters give equal bytes.
+///
+/// Errors: [`crate::Error::Io`], also for a raster without pixels or with too few samples.
+pub fn write_png(path: &Path, raster: &Raster) -> Result<()> {
+    write_atomically(path, |file| encode(BufWriter::new(file), raster))
+}
+
+fn encode(out: impl io::Write, raster: &Raster) -> io::Result<()> {
+    let size = |pixels: usize| u32::try_from(pixels).map_err(io::Error::other);
+    let mut info = ::png::Info::with_size(size(raster.width)?, size(raster.height)?);
+    info.color_type = ::png::ColorType::Rgb;
+    info.bit_depth = match raster.samples {
+        Samples::Eight(_) => ::png::BitDepth::Eight,
+        Samples::Sixteen(_) => ::png::BitDepth::Sixteen,
+    };
+    if let ColorSpace::Icc(profile) = &raster.color_space {
+        info.icc_profile = Some(Cow::Borrowed(profile));
+    }
+    let mut encoder = ::png::Encoder::with_info(out, info)?;
+    if raster.color_space == ColorSpace::Srgb {
+        encoder.set_source_srgb(::png::SrgbRenderingIntent::RelativeColorimetric);
+    }
+    encoder.set_compression(::png::Compression::Balanced);
+    for (key, value) in &raster.metadata {
+        encoder.add_itxt_chunk(key.clone(), value.clone())?;
+    }
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(&raster.samples.bytes())?;
+    writer.finish()?;
+    Ok(())
+}
+
+impl Samples<'_> {
+    /// Big-endian, as the file has them.
+    fn bytes(&self) -> Cow<'_, [u8]> {
+        match self {
+            Self::Eight(samples) => Cow::Borrowed(samples),
+            Self::Sixteen(samples) => samples.iter().flat_map(|s| s.to_be_bytes()).collect(),
+        }
+    }
+}
+
+/// The digits of a display as a raster that carries its profile.
+///
+/// Displays of 8 bits give 8-bit files; all others 16-bit ones, digits stretched to 0 to 65535.
+pub fn display_raster(image: &DisplayImage, display: &Display) -> Result<Raster<'static>> {
+    let digits = image.digits.iter().flatten();
+    let full = u32::from(display.full_digit());
+    let samples = match display.bits() {
+        8 => Samples::Eight(digits.map(|&d| d as u8).collect()),
+        _ => Samples::Sixteen(
+            digits.map(|&d| ((u32::from(d) * 65535 + full / 2) / full) as u16).collect(),
+        ),
+    };
+    let color_space = match display.is_srgb() {
+        true => ColorSpace::Srgb,
+        false => ColorSpace::Icc(display.icc_profile()?),
+    };
+    let (width, height) = (image.width, image.height);
+    Ok(Raster { width, height, samples, color_space, metadata: Metadata::new() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::display::GamutReport;
+    use crate::output::scratch::Scratch;
+    use std::fs::File;
+    use std::io::BufReader;
+
+    fn image(digits: Vec<[u16; 3]>) -> DisplayImage {
+        let gamut = GamutReport::default();
+        DisplayImage { width: digits.len(), height: 1, digits, exposure_factor: 1.0, gamut }
+    }
+
+    fn decode(path: &Path) -> (::png::Info<'static>, Vec<u8>) {
+        let file = BufReader::new(File::open(path).unwrap());
+        let mut reader = ::png::Decoder::new(file).read_info().unwrap();
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        reader.next_frame(&mut bytes).unwrap();
+        reader.finish().unwrap();
+        (reader.info().clone(), bytes)
+    }
+
+    #[test]
+    fn srgb_files_have_the_srgb_chunk_and_no_profile() {
+        let scratch = Scratch::new();
+        let path = scratch.path("i.png");
+        let mut raster =
+            display_raster(&image(vec![[0, 128, 255], [1, 2, 3]]), &Display::srgb()).unwrap();
+        raster.metadata.insert("script".to_owned(), "전조등.lua".to_owned());
+        write_png(&path, &raster).unwrap();
+        let (info, bytes) = decode(&path);
+        assert_eq!(bytes, [0, 128, 255, 1, 2, 3]);
+        assert_eq!(info.srgb, Some(::png::SrgbRenderingIntent::RelativeColorimetric));
+        assert_eq!(info.icc_profile, None);
+        assert_eq!(info.utf8_text[0].keyword, "script");
+        assert_eq!(info.utf8_text[0].get_text().unwrap(), "전조등.lua");
+    }
+
+    #[test]
+    fn display_files_carry_the_profile() {
+        let scratch = Scratch::new();
+        let path = scratch.path("i.png");
+        let display = Display::eizo_t766();
+        write_png(&path, &display_raster(&image(vec![[9, 8, 7]]), &display).unwrap()).unwrap();
+        let (info, bytes) = decode(&path);
+        assert_eq!(bytes, [9, 8, 7]);
+        assert_eq!(info.srgb, None);
+        assert_eq!(*info.icc_profile.unwrap(), display.icc_profile().unwrap());
+    }
+
+    #[test]
+    fn ten_bit_digits_fill_sixteen() {
+        let scratch = Scratch::new();
+        let path = scratch.path("i.png");
+        let parameters = crate::display::DisplayParameters {
+            name: "ten bit".to_owned(),
+            curves: *Display::eizo_t766().curves(),
+            matrix: Display::srgb().matrix().transpose().to_cols_array_2d(),
+            black: Default::default(),
+            bits: 10,
+        };
+        let display = Display::new(parameters).unwrap();
+        let raster = display_raster(&image(vec![[0, 512, 1023]]), &display).unwrap();
+        write_png(&path, &raster).unwrap();
+        // 512 · 65535 / 1023 = 32799.5, rounded up.
+        assert_eq!(decode(&path).1, [0, 0, 0x80, 0x20, 0xff, 0xff]);
+    }
+
+    #[test]
+    fn a_raster_of_the_wrong_size_writes_nothing() {
+        let scratch = Scratch::new();
+        let path = scratch.path("i.png");
+        let raster = Raster {
+            width: 2,
+            height: 2,
+            samples: Samples::Eight(Cow::Borrowed(&[0; 11])),
+            color_space: ColorSpace::Srgb,
+            metadata: Metadata::new(),
+        };
+        assert!(write_png(&path, &raster).is_err());
+        assert!(!path.exists());
+    }
+}

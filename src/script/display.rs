@@ -1,0 +1,120 @@
+//! `lampyris.display`.
+
+use std::sync::Arc;
+
+use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
+
+use super::fault;
+use super::options::{self, Arguments, Options, Range};
+use crate::color::Xyz;
+use crate::display::{Curve, Display, DisplayParameters};
+use crate::error::Error;
+
+/// Handle of a display.
+#[derive(Debug, Clone)]
+pub struct LuaDisplay(pub Arc<Display>);
+
+const NAMES: [&str; 6] = ["bits", "digital", "gain", "gamma", "offset", "xyz"];
+
+pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
+    let table = lua.create_table()?;
+    table.set("eizo_t766", LuaDisplay(Arc::new(Display::eizo_t766())))?;
+    table.set("srgb", LuaDisplay(Arc::new(Display::srgb())))?;
+    table.set("new", fault::function(lua, |_, a| new(Arguments::new("display.new", a, 1)?))?)?;
+    fault::refuse_unknown_names(lua, &table, "lampyris.display")?;
+    module.set("display", table)
+}
+
+fn new(mut arguments: Arguments) -> mlua::Result<LuaDisplay> {
+    let options =
+        arguments.options(&["bits", "black", "gain", "gamma", "matrix", "name", "offset"])?;
+    let channels = |key, range, default| match options.value(key)? {
+        Value::Nil => Ok([default; 3]),
+        value => triple(&options, key, &value, range),
+    };
+    let gains = channels("gain", Range::above_zero(""), 1.0)?;
+    let offsets = channels("offset", Range::ANY, 0.0)?;
+    let gammas = channels("gamma", Range::above_zero(""), 2.2)?;
+    let parameters = DisplayParameters {
+        name: options.text("name")?.unwrap_or_else(|| "display".to_owned()),
+        curves: [0, 1, 2].map(|c| Curve {
+            gain: gains[c],
+            offset: offsets[c],
+            gamma: gammas[c],
+            toe: None,
+        }),
+        matrix: matrix(&options)?,
+        black: black(&options)?,
+        bits: options.count("bits", 1, 16)?.unwrap_or(8) as u32,
+    };
+    Ok(LuaDisplay(Arc::new(Display::new(parameters)?)))
+}
+
+fn triple(options: &Options, key: &str, value: &Value, range: Range) -> mlua::Result<[f64; 3]> {
+    let what = format!("\"{key}\"");
+    let entries = options::list(options.object(), &what, value, "a list of 3 numbers")?;
+    let [a, b, c] = entries.as_slice() else {
+        let problem = format!("{what} has {} entries, expected 3", entries.len());
+        return Err(Error::inconsistent(options.object(), problem).into());
+    };
+    let part = |value: &Value| options::number(options.object(), &what, value, range);
+    Ok([part(a)?, part(b)?, part(c)?])
+}
+
+/// Rows X, Y, Z of eq. 6.
+pub(super) fn matrix(options: &Options) -> mlua::Result<[[f64; 3]; 3]> {
+    const EXPECTED: &str = "{{Xr, Xg, Xb}, {Yr, Yg, Yb}, {Zr, Zg, Zb}} in cd/m²";
+    let rows = options.required_list("matrix", EXPECTED)?;
+    let [x, y, z] = rows.as_slice() else {
+        let problem = format!("\"matrix\" has {} rows, expected {EXPECTED}", rows.len());
+        return Err(Error::inconsistent(options.object(), problem).into());
+    };
+    let row = |value: &Value| triple(options, "matrix", value, Range::ANY);
+    Ok([row(x)?, row(y)?, row(z)?])
+}
+
+pub(super) fn black(options: &Options) -> mlua::Result<Xyz> {
+    match options.value("black")? {
+        Value::Nil => Ok(Xyz::default()),
+        value => triple(options, "black", &value, Range::NOT_NEGATIVE).map(Xyz::from),
+    }
+}
+
+impl UserData for LuaDisplay {
+    fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
+        fields.add_field_method_get("gain", |_, this| Ok(this.0.curves().map(|c| c.gain)));
+        fields.add_field_method_get("offset", |_, this| Ok(this.0.curves().map(|c| c.offset)));
+        fields.add_field_method_get("gamma", |_, this| Ok(this.0.curves().map(|c| c.gamma)));
+        fields.add_field_method_get("bits", |_, this| Ok(this.0.bits()));
+    }
+
+    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
+        fault::method(methods, "xyz", |_, this: &Self, a| {
+            let mut arguments = Arguments::new("display:xyz", a, 3)?;
+            let digits = Range::new(0.0, f64::from(this.0.full_digit()), "");
+            let mut digit = |what| arguments.number(what, digits);
+            let color = this.0.xyz_from_digits([digit("r")?, digit("g")?, digit("b")?]);
+            Ok((color.x, color.y, color.z))
+        });
+        fault::method(methods, "digital", |_, this: &Self, a| {
+            let mut arguments = Arguments::new("display:digital", a, 3)?;
+            let mut part = |what| arguments.number(what, Range::ANY);
+            let color = Xyz::new(part("X")?, part("Y")?, part("Z")?);
+            let digits = this.0.digits_from_xyz(color);
+            let [r, g, b] = digits.ok_or_else(|| {
+                Error::inconsistent("display:digital", "the color is too large to be shown")
+            })?;
+            Ok((r, g, b))
+        });
+        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
+            let white = this.0.white();
+            let [x, y] = white.chromaticity().unwrap_or_default();
+            let (name, bits) = (this.0.name(), this.0.bits());
+            Ok(format!(
+                "display: {name}, {bits} bits, white {:.1} cd/m² at ({x:.4}, {y:.4})",
+                white.y
+            ))
+        });
+        fault::refuse_unknown_fields(methods, "display", &NAMES);
+    }
+}

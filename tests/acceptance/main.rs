@@ -1,0 +1,6 @@
+//! Acceptance tests: one module a claim of the model or the paper.
+
+mod closed_cases;
+mod determinism;
+mod goldens;
+mod stage;

@@ -1,0 +1,107 @@
+//! Small scenes, built without a script.
+
+use std::sync::Arc;
+
+use lampyris::Result;
+use lampyris::geometry::{DVec3, Mesh};
+use lampyris::image::SpectralImage;
+use lampyris::light::{Photometry, RaySample, RaySet};
+use lampyris::material::{Lobes, Material, SpecularLobe};
+use lampyris::render::{Quality, Samples, Unwatched, render};
+use lampyris::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
+use lampyris::shading::TraceLimits;
+use lampyris::spectrum::{Spectrum, WavelengthGrid};
+use lampyris::view::View;
+
+/// A black, opaque material to be changed.
+pub fn material() -> Material {
+    Material {
+        name: "material".to_owned(),
+        reflectance: Spectrum::constant(1.0),
+        transmittance: None,
+        thickness_mm: None,
+        ior: None,
+        lobes: Lobes { k_d: 0.0, n_d: 1.0, specular: Vec::new() },
+        k_rg: 0.0,
+        k_tg: 0.0,
+        k_a: 0.0,
+    }
+}
+
+pub fn diffuse(k_d: f64, n_d: f64) -> Lobes {
+    Lobes { k_d, n_d, specular: Vec::new() }
+}
+
+pub fn specular(k_s: f64, n_s: f64) -> Lobes {
+    Lobes { k_d: 0.0, n_d: 1.0, specular: vec![SpecularLobe { k_s, n_s }] }
+}
+
+/// A rectangle about `center`, spanned by two half-edges; its front is the side of u × v.
+pub fn rectangle(center: DVec3, u: DVec3, v: DVec3) -> Mesh {
+    let positions = vec![center - u - v, center + u - v, center + u + v, center - u + v];
+    Mesh::flat("rectangle", positions, vec![[0, 1, 2], [0, 2, 3]]).expect("a good mesh")
+}
+
+/// A square at height z that looks along +Z.
+pub fn square(z: f64, half: f64) -> Mesh {
+    rectangle(DVec3::new(0.0, 0.0, z), DVec3::X * half, DVec3::Y * half)
+}
+
+/// One light sample.
+pub fn point_light(position: DVec3, direction: DVec3, flux_lm: f64) -> Light {
+    let sample = RaySample {
+        position: position.as_vec3().to_array(),
+        direction: direction.normalize().as_vec3().to_array(),
+        flux: 1.0,
+    };
+    Light { rays: RaySet::new([sample].into(), flux_lm), spectrum: Spectrum::blackbody(2856.0) }
+}
+
+pub fn scene(objects: Vec<(Mesh, Material)>, lights: Vec<Light>) -> Scene {
+    let (meshes, materials): (Vec<Mesh>, Vec<Material>) = objects.into_iter().unzip();
+    let object = |(at, mesh)| Object { mesh: Arc::new(mesh), material: MaterialId(at) };
+    Scene {
+        objects: meshes.into_iter().enumerate().map(object).collect(),
+        materials,
+        lights,
+        background: Spectrum::constant(0.0),
+        ambient: Spectrum::constant(0.0),
+        photometry: Photometry::Relative,
+        shadows: Shadows::Off,
+    }
+}
+
+/// A view of one pixel that looks at the origin.
+pub fn pixel_view(azimuth_deg: f64, distance_mm: f64) -> View {
+    View {
+        azimuth_deg,
+        elevation_deg: 0.0,
+        distance_mm,
+        target: DVec3::ZERO,
+        fov_deg: 1.0,
+        width: 1,
+        height: 1,
+    }
+}
+
+pub fn exact(max_depth: u32) -> Quality {
+    Quality {
+        samples: Samples::Fixed(1),
+        limits: TraceLimits { max_depth, min_throughput: 0.0, light_error: 0.0 },
+        grid: WavelengthGrid::Step5,
+    }
+}
+
+pub fn shoot(scene: Scene, view: &View, quality: &Quality) -> SpectralImage {
+    shoot_prepared(&scene.prepare().expect("a good scene"), view, quality)
+}
+
+pub fn shoot_prepared(prepared: &Prepared, view: &View, quality: &Quality) -> SpectralImage {
+    let rendered: Result<_> = render(prepared, view, quality, &Unwatched);
+    rendered.expect("a good render").0
+}
+
+pub fn assert_close(value: f64, expected: f64, relative: f64, what: &str) {
+    let error = (value / expected - 1.0).abs();
+    assert!(error <= relative, "{what}: {value}, expected {expected}, off by {error:e}");
+}
