@@ -232,7 +232,7 @@ local base_shapes = {
   end,
   -- Focal lengths that differ across and up, and grow outward: wider light, no facets.
   free = function(chamber, dx, dy)
-    local spread = chamber.spread or { 0.12, 0.05 }
+    local spread = chamber.spread or { 0.04, 0.02 }
     local r2 = (dx * dx + dy * dy) / 3600
     return paraboloid(chamber.focal, dx * (1 - spread[1] * r2), dy * (1 - spread[2] * r2))
   end,
