@@ -27,6 +27,7 @@ pub mod geometry;
 pub mod image;
 pub mod light;
 pub mod material;
+pub mod memory;
 pub mod output;
 pub mod progress;
 pub mod render;
