@@ -9,6 +9,7 @@ mod options;
 mod sandbox;
 
 mod display;
+mod display_fit;
 mod emitter;
 mod image;
 mod light;
