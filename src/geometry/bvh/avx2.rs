@@ -11,16 +11,15 @@ use super::query::Segment;
 use super::walk::TreeRay;
 use super::wide::{Lanes, Packet, WideNode};
 
-/// May be used only in functions compiled for AVX2 and FMA, into which it is inlined.
+/// Used only in functions compiled for AVX2 and FMA, into which all of it is inlined.
 pub(super) struct Avx2;
 
-/// # Safety
-/// The processor has AVX2 and FMA; so have the functions below.
 impl Kernel for Avx2 {
     #[inline(always)]
     fn enter(node: &WideNode, ray: &TreeRay, end: f32) -> (u32, Lanes) {
         let mut near_lanes = [0.0; 8];
-        // SAFETY: Bvh::walk chooses this kernel only where the processor has AVX2 and FMA.
+        // SAFETY: only `closest` and `occluded` below use this kernel; `Bvh` calls them only where
+        // the processor has their features.
         let lanes = unsafe {
             let entry = |axis: usize| plane(&node.planes[2 * axis + ray.sign(axis)], ray, axis);
             let exit = |axis: usize| plane(&node.planes[2 * axis + 1 - ray.sign(axis)], ray, axis);
@@ -92,6 +91,9 @@ const LEAST_EDGE: f32 = 1e-36;
 const Z_SLACK: f32 = 8.0 / (1 << 24) as f32;
 
 /// Sheared corners: all in f64 for the exact test, returned in f32.
+///
+/// No product is fused with the difference after it: the f64 values are the bits of the plain
+/// kernel.
 #[inline(always)]
 unsafe fn shear(packet: &Packet, probe: &Probe, sheared: &mut Sheared) -> [__m256; 3] {
     let [kx, ky, kz] = probe.axes;
@@ -106,8 +108,8 @@ unsafe fn shear(packet: &Packet, probe: &Probe, sheared: &mut Sheared) -> [__m25
         let sz = _mm256_set1_pd(probe.shear[2]);
         let [px, py, pz] = &mut sheared.0;
         let mut parts = [[_mm_setzero_ps(); 3]; 2];
-        for part in 0..2 {
-            let i = 4 * part;
+        for (half, part) in parts.iter_mut().enumerate() {
+            let i = 4 * half;
             let depth = _mm256_sub_pd(_mm256_loadu_pd(zs.as_ptr().add(i)), oz);
             let x = _mm256_sub_pd(_mm256_loadu_pd(xs.as_ptr().add(i)), ox);
             let y = _mm256_sub_pd(_mm256_loadu_pd(ys.as_ptr().add(i)), oy);
@@ -117,7 +119,7 @@ unsafe fn shear(packet: &Packet, probe: &Probe, sheared: &mut Sheared) -> [__m25
             _mm256_storeu_pd(px.as_mut_ptr().add(i), x);
             _mm256_storeu_pd(py.as_mut_ptr().add(i), y);
             _mm256_storeu_pd(pz.as_mut_ptr().add(i), z);
-            parts[part] = [_mm256_cvtpd_ps(x), _mm256_cvtpd_ps(y), _mm256_cvtpd_ps(z)];
+            *part = [_mm256_cvtpd_ps(x), _mm256_cvtpd_ps(y), _mm256_cvtpd_ps(z)];
         }
         let [p, q] = parts;
         [_mm256_set_m128(q[0], p[0]), _mm256_set_m128(q[1], p[1]), _mm256_set_m128(q[2], p[2])]

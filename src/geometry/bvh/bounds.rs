@@ -53,7 +53,8 @@ impl Frame {
     pub fn new(low: DVec3, high: DVec3) -> Frame {
         let center = 0.5 * low + 0.5 * high;
         // 2⁻²⁰ more than half the diagonal covers every rounding in f64 of what is inside.
-        let radius_mm = (high - center).length() * (1.0 + f64::from(PAD));
+        let half = (high - center).max(center - low);
+        let radius_mm = half.length() * (1.0 + f64::from(PAD));
         let per_mm = if radius_mm > 0.0 { (-radius_mm.log2().ceil()).exp2() } else { 1.0 };
         Frame { center, radius_mm, per_mm }
     }

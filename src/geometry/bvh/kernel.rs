@@ -6,7 +6,7 @@ use super::probe::Probe;
 use super::walk::TreeRay;
 use super::wide::{CORNERS, LANES, Lanes, Packet, WideNode};
 
-/// The corners of a packet as a probe sees them ([`Probe::to_sheared`]): coordinate, then place.
+/// The corners of a packet as a probe sees them: coordinate, then place.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Sheared(pub [[f64; CORNERS]; 3]);
@@ -33,7 +33,7 @@ pub(super) trait Kernel {
     #[inline(always)]
     fn prefetch<T>(_place: &T) {}
 
-    /// Shears the corners, with the bits of [`Probe::to_sheared`], and says which triangles the probe
+    /// Shears the corners, with the same bits in every kernel, and says which triangles the probe
     /// may meet up to `end_mm`.
     fn may_meet(packet: &Packet, probe: &Probe, end_mm: f64, sheared: &mut Sheared) -> u32;
 }
@@ -79,7 +79,7 @@ impl Kernel for Portable {
         // A distance is a mean of those of the corners, but for its rounding.
         let end_mm = end_mm * (1.0 + 64.0 * f64::EPSILON);
         let mut is_met = [false; LANES];
-        for lane in 0..LANES {
+        for (lane, is_met) in is_met.iter_mut().enumerate() {
             let a = usize::from(packet.corners[0][lane]) % CORNERS;
             let b = usize::from(packet.corners[1][lane]) % CORNERS;
             let c = usize::from(packet.corners[2][lane]) % CORNERS;
@@ -90,7 +90,7 @@ impl Kernel for Portable {
             let most = wa.max(wb).max(wc);
             let near = pz[a].min(pz[b]).min(pz[c]);
             let far = pz[a].max(pz[b]).max(pz[c]);
-            is_met[lane] = !((least < 0.0) & (most > 0.0)) & (far > 0.0) & (near <= end_mm);
+            *is_met = !((least < 0.0) & (most > 0.0)) & (far > 0.0) & (near <= end_mm);
         }
         to_bits(&is_met) & u32::from(packet.present)
     }

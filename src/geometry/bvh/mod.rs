@@ -1,11 +1,11 @@
 //! The bounding volume hierarchy: which triangle a ray meets first, and whether any is in its way.
 //!
-//! Three steps build it: [`binary`] orders the triangles by the surface area heuristic, [`forest`]
+//! Three steps build it: `binary` orders the triangles by the surface area heuristic, `forest`
 //! chooses which binary nodes become nodes of eight children and packets of eight triangles,
-//! [`wide`] lays these out. A ray goes through it ([`walk`]) with one of the f32 kernels
-//! ([`kernel`], `avx2`), which only leave out what it cannot meet; whether and where it meets the
-//! rest is decided in f64 ([`probe`]), on the mesh itself. So hits are the same bits on any machine,
-//! and the same as without a tree.
+//! `wide` lays these out. A ray goes through it (`walk`) with one of two kernels (`kernel`,
+//! `avx2`), which leave out what it cannot meet: boxes in f32 with a pad, triangles where the sign
+//! of an edge function is sure. Whether and where it meets the rest is decided in f64 (`probe`). So
+//! hits are the same bits on any machine, and the same as without a tree.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -31,7 +31,7 @@ use bounds::Frame;
 pub use departure::Departure;
 use wide::Tree;
 
-/// All triangles of a scene, ordered for rays. Shares the meshes, never copies their positions.
+/// All triangles of a scene, ordered for rays.
 #[derive(Debug, Clone)]
 pub struct Bvh {
     meshes: Vec<Arc<Mesh>>,

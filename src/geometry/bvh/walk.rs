@@ -101,7 +101,7 @@ impl Tree {
 /// The nearest child entered; the others wait on the stack, the farthest lowest.
 ///
 /// Compares with branches, which the processor guesses: it starts on the guessed child while the
-/// distances are still on their way. Choosing without branches costs a fifth of the whole walk.
+/// distances are still on their way. Choosing without branches makes primary rays 7 % slower.
 #[inline(always)]
 fn nearest<K: Kernel>(
     node: &WideNode,

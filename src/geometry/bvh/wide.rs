@@ -42,11 +42,12 @@ impl WideNode {
 }
 
 /// Different corners that the triangles of a packet have at most: a strip of six triangles has 8.
-/// With twelve (2 × 2 quads of a grid have 9) packets are fewer and each takes half as long again.
+/// With twelve (2 × 2 quads of a grid have 9) a lamp's tree takes 78 bytes a triangle instead of
+/// 70, and its rays are no faster.
 pub(super) const CORNERS: usize = 8;
 
 /// Up to eight neighboring triangles with their corners in f64, each stored once: smaller than
-/// eight separate triangles in f32, and the exact test needs nothing else.
+/// eight separate triangles in f32, and no test has to fetch anything else.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(64))]
 pub(super) struct Packet {
