@@ -1,9 +1,11 @@
 //! What a person sees on a given monitor: the display model (eq. 5 to 8), exposure, tone, gamut.
 
+mod convolve;
 mod curve;
 mod exposure;
 mod fit;
 mod gamut;
+mod glare;
 mod icc;
 mod model;
 mod present;
@@ -15,6 +17,7 @@ pub use curve::{Curve, Toe};
 pub use exposure::{AUTO_PERCENT, Exposure};
 pub use fit::{ChannelFit, DisplayFit, DisplayMeasurement, Light, RampPatch, fit_display};
 pub use gamut::{Gamut, GamutMap, GamutReport};
+pub use glare::{Glare, GlareReport, apply_glare};
 pub use model::{CHANNELS, Display, DisplayParameters};
 pub use present::{DisplayImage, Rendition, present};
 pub use table::{read_patches, read_ramps};
