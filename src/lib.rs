@@ -22,10 +22,12 @@
 pub mod color;
 pub mod display;
 pub mod error;
+pub mod fit;
 pub mod geometry;
 pub mod image;
 pub mod light;
 pub mod material;
+pub mod memory;
 pub mod output;
 pub mod progress;
 pub mod render;

@@ -2,15 +2,21 @@
 
 mod curve;
 mod exposure;
+mod fit;
 mod gamut;
 mod icc;
 mod model;
 mod present;
+mod table;
 mod tone;
+mod verify;
 
 pub use curve::{Curve, Toe};
 pub use exposure::{AUTO_PERCENT, Exposure};
+pub use fit::{ChannelFit, DisplayFit, DisplayMeasurement, Light, RampPatch, fit_display};
 pub use gamut::{Gamut, GamutMap, GamutReport};
 pub use model::{CHANNELS, Display, DisplayParameters};
 pub use present::{DisplayImage, Rendition, present};
+pub use table::{read_patches, read_ramps};
 pub use tone::{MIDDLE_GRAY, Tone};
+pub use verify::{Fault, Patch, PatchError, ROUGH_MEAN, TABLE_3, Verdict, Verification, verify};

@@ -12,6 +12,7 @@ use super::{fault, host};
 use crate::display::{self, Display, DisplayImage, Exposure, Gamut, Rendition, Tone};
 use crate::error::Error;
 use crate::image::{Region, SpectralImage};
+use crate::memory;
 use crate::output;
 use crate::render::RenderStats;
 use crate::scene::{BuildSeconds, Prepared};
@@ -33,6 +34,11 @@ const NAMES: [&str; 7] = ["height", "luminance", "save", "spectrum", "stats", "w
 impl LuaImage {
     pub(super) fn new(image: SpectralImage, stats: RenderStats, prepared: &Prepared) -> Self {
         Self(Arc::new(Rendered { image, stats, build: prepared.seconds }))
+    }
+
+    /// Y of every pixel.
+    pub(super) fn luminances(&self) -> Vec<f64> {
+        self.0.image.to_xyz().pixels.iter().map(|color| color.y).collect()
     }
 
     /// `{x =, y =, width = 1, height = 1}`, or the whole image for nil.
@@ -109,12 +115,14 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
         Some("png") => {
             let shown = save_png(&target, &rendered.image, &arguments.options(&PNG_KEYS)?)?;
             let gamut = shown.gamut;
-            if gamut.outside() > 0 {
+            // What is too dark shows as the display's black, as anyone expects.
+            let (bright, saturated) = (gamut.too_bright, gamut.too_saturated);
+            if bright + saturated > 0 {
                 host.warn(format!(
-                    "{path}: {} of {} pixels are outside of the display's gamut, up to ΔE00 {:.1}",
-                    gamut.outside(),
-                    gamut.pixels,
-                    gamut.max_delta_e_2000
+                    "{path}: the display cannot show {bright} pixels that are brighter than its \
+                     white and {saturated} that are more saturated than its primaries, of {}; up \
+                     to ΔE00 {:.1}",
+                    gamut.pixels, gamut.max_delta_e_2000
                 ));
             }
             png_stats(lua, &shown)
@@ -202,17 +210,24 @@ fn stats(lua: &Lua, rendered: &Rendered) -> mlua::Result<Table> {
     let Rendered { stats, build, .. } = rendered;
     let counts = &stats.counts;
     let table = lua.create_table()?;
-    table.set("camera_rays", counts.camera_rays)?;
-    table.set("mirror_rays", counts.mirror_rays)?;
-    table.set("transmitted_rays", counts.transmitted_rays)?;
-    table.set("shadow_rays", counts.shadow_rays)?;
-    table.set("light_sums", counts.light_sums)?;
-    table.set("light_nodes", counts.light_nodes)?;
-    table.set("light_samples", counts.light_samples)?;
-    table.set("light_error", stats.light_error)?;
-    table.set("largest_light_error", stats.largest_light_error)?;
-    table.set("seconds", stats.seconds)?;
-    table.set("bvh_seconds", build.bvh)?;
-    table.set("light_tree_seconds", build.light_trees)?;
+    let per_sum = |count: u64| count as f64 / counts.light_sums.max(1) as f64;
+    let numbers = [
+        ("camera_rays", counts.camera_rays as f64),
+        ("mirror_rays", counts.mirror_rays as f64),
+        ("transmitted_rays", counts.transmitted_rays as f64),
+        ("shadow_rays", counts.shadow_rays as f64),
+        ("light_sums", counts.light_sums as f64),
+        ("nodes_per_sum", per_sum(counts.light_nodes)),
+        ("samples_per_sum", per_sum(counts.light_samples)),
+        ("light_error", stats.light_error),
+        ("largest_light_error", stats.largest_light_error),
+        ("seconds", stats.seconds),
+        ("bvh_seconds", build.bvh),
+        ("light_tree_seconds", build.light_trees),
+    ];
+    for (name, value) in numbers {
+        table.set(name, value)?;
+    }
+    table.set("peak_memory_mb", memory::peak_mb())?;
     Ok(table)
 }

@@ -8,6 +8,9 @@ use super::super::DVec3;
 /// 1, the direction and its inverse 2 · 2.5, their products and difference 5. The pad is 16.
 pub(super) const PAD: f32 = 1.0 / (1 << 20) as f32;
 
+/// Farther than any hit in that frame: origins are at most 1.5 from the center.
+pub(super) const FARTHEST: f64 = 8.0;
+
 /// An axis-aligned box of the tree's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Box3 {
@@ -58,6 +61,13 @@ impl Frame {
     #[inline(always)]
     pub fn to_frame(self, point: DVec3) -> [f32; 3] {
         ((point - self.center) * self.per_mm).to_array().map(|x| x as f32)
+    }
+
+    /// A distance as the walk compares it: at least the true one, and finite. Rounding to f32 takes
+    /// 2⁻²⁴ of it.
+    #[inline(always)]
+    pub fn to_end(self, t_mm: f64) -> f32 {
+        (t_mm * (self.per_mm * (1.0 + 1.0 / (1 << 22) as f64))).min(FARTHEST) as f32
     }
 
     /// The box of three corners, widened by the pad.

@@ -25,6 +25,10 @@ pub(super) trait Kernel {
     /// Which boxes the ray enters before `end`, and where (≥ 0).
     fn enter(node: &WideNode, ray: &TreeRay, end: f32) -> (u32, Lanes);
 
+    /// Keeps the compiler from turning the branch in which it stands into a choice of values.
+    #[inline(always)]
+    fn branch() {}
+
     /// Asks the memory for what will be read soon.
     #[inline(always)]
     fn prefetch<T>(_place: &T) {}
@@ -76,15 +80,19 @@ impl Kernel for Portable {
         let end_mm = end_mm * (1.0 + 64.0 * f64::EPSILON);
         let mut is_met = [false; LANES];
         for lane in 0..LANES {
-            let [a, b, c] = [0, 1, 2].map(|k| usize::from(packet.corners[k][lane]));
-            let [wa, wb, wc] = [(c, b), (a, c), (b, a)].map(|(i, j)| px[i] * py[j] - py[i] * px[j]);
+            let a = usize::from(packet.corners[0][lane]) % CORNERS;
+            let b = usize::from(packet.corners[1][lane]) % CORNERS;
+            let c = usize::from(packet.corners[2][lane]) % CORNERS;
+            let wa = px[c] * py[b] - py[c] * px[b];
+            let wb = px[a] * py[c] - py[a] * px[c];
+            let wc = px[b] * py[a] - py[b] * px[a];
             let least = wa.min(wb).min(wc);
             let most = wa.max(wb).max(wc);
             let near = pz[a].min(pz[b]).min(pz[c]);
             let far = pz[a].max(pz[b]).max(pz[c]);
             is_met[lane] = !((least < 0.0) & (most > 0.0)) & (far > 0.0) & (near <= end_mm);
         }
-        to_bits(&is_met) & packet.present
+        to_bits(&is_met) & u32::from(packet.present)
     }
 }
 

@@ -63,9 +63,9 @@ impl Probe {
         cross(corners.map(|corner| self.to_sheared(corner.to_array())))
     }
 
-    /// 2D position about the ray, and distance along it.
-    #[inline(always)]
-    pub fn to_sheared(&self, corner: [f64; 3]) -> [f64; 3] {
+    /// 2D position about the ray, and distance along it: what each kernel computes for a packet.
+    #[cfg(test)]
+    fn to_sheared(&self, corner: [f64; 3]) -> [f64; 3] {
         let depth = corner[self.axes[2]] - self.origin[self.axes[2]];
         [
             corner[self.axes[0]] - self.origin[self.axes[0]] - self.shear[0] * depth,
