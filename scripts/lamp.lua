@@ -38,9 +38,9 @@ lamp.defaults = {
   rib = 4, -- between two chambers
   hole = 12, -- radius, for the bulb
   chambers = {
-    { from = 0, to = 1 / 3, focal = 25, back = -8 },
+    { from = 0, to = 1 / 3, focal = 25, back = -14 },
     { from = 1 / 3, to = 2 / 3, focal = 25, back = 0 },
-    { from = 2 / 3, to = 1, focal = 25, back = -8 },
+    { from = 2 / 3, to = 1, focal = 25, back = -14 },
   },
   optics = { kind = "pillows", width = 14, height = 14, depth = 0.7, depth_up = 0.4 }, -- of chambers without own
 }
@@ -269,6 +269,13 @@ local function build_chamber(o, face, chamber)
   local function reflector(u, v)
     local x, y = place(u, v)
     return x, y, base(u, v) + bump(u, v)
+  end
+  local outer = outer_face_function(o.lens)
+  for corner = 0, 3 do
+    local x, y, z = reflector(corner % 2, corner // 2)
+    if z > outer(x, y) - o.lens.thickness - 2 then
+      error("lamp: a reflector's corner reaches the lens: lower \"back\" or raise \"lens.front\"", 0)
+    end
   end
   local edge = o.reflector_edge * o.coarseness
   local function around_hole(x, y)

@@ -13,9 +13,9 @@ model.render {
     optics = { kind = "pillows", width = 28, height = 46, depth = 1.6, depth_up = 1.0 },
     lens = { optics = { kind = "pillows", width = 9, height = 9, depth = 0.15 } },
     chambers = {
-      { from = 0, to = 0.3, focal = 25, back = -8, shape = "free" },
+      { from = 0, to = 0.3, focal = 25, back = -12, shape = "free" },
       { from = 0.3, to = 0.68, focal = 30, back = 0, shape = "free", spread = { 0.04, 0.02 } },
-      { from = 0.68, to = 1, focal = 25, back = -8, shape = "free" },
+      { from = 0.68, to = 1, focal = 25, back = -12, shape = "free" },
     },
   },
   shots = {
