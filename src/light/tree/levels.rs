@@ -5,8 +5,9 @@ use rayon::prelude::*;
 
 use super::blocks::Blocks;
 use super::eight::{Eight, Vectors};
+use super::moments::Channels;
 use super::octahedron::Grid;
-use super::table::{CHANNELS, CellSamples, build_tables};
+use super::table::{CellSamples, RawTable, finish_tables};
 
 /// Sets of fewer blocks (about 2000 samples) are summed as fast without tables.
 const FEWEST_BLOCKS_DEPTH: u32 = 3;
@@ -35,15 +36,17 @@ pub(super) struct Octet {
 pub(super) struct Level {
     pub octets: Vec<Octet>,
     pub grid: Grid,
-    tables: Vec<f32>,
+    /// [node][vertex].
+    tables: Vec<Channels>,
     /// Consecutive blocks that a node holds.
     pub blocks_per_node: usize,
 }
 
 impl Level {
-    pub fn table(&self, octet: usize) -> &[f32] {
-        let stride = self.grid.vertices() * CHANNELS * 8;
-        &self.tables[octet * stride..(octet + 1) * stride]
+    /// Of an octet's nodes, one after the other.
+    pub fn tables(&self, octet: usize) -> &[Channels] {
+        let stride = self.grid.vertices() * 8;
+        &self.tables[octet * stride..self.tables.len().min((octet + 1) * stride)]
     }
 }
 
@@ -65,11 +68,16 @@ impl Levels {
         let center = super::blocks::box_center(blocks.blocks.iter().map(|block| block.center));
         // The first level takes what is left over, so that all others are whole octets.
         let first = if depth % 3 == 0 { 3 } else { depth % 3 };
-        let levels: Vec<Level> = (first..=depth)
-            .step_by(3)
-            .filter(|bits| 1usize << bits <= MOST_NODES)
-            .map(|bits| build_level(blocks, center, 1 << bits))
-            .collect();
+        let bits: Vec<u32> =
+            (first..=depth).step_by(3).filter(|bits| 1usize << bits <= MOST_NODES).collect();
+        let mut below: Option<Nodes> = None;
+        let mut levels = Vec::new();
+        for bits in bits.into_iter().rev() {
+            let nodes = Nodes::build(blocks, 1 << bits, below.take());
+            levels.push(nodes.to_level(center));
+            below = Some(nodes);
+        }
+        levels.reverse();
         let flux =
             levels.first()?.octets.iter().flat_map(|octet| octet.flux.0).map(f64::from).sum();
         Some(Levels { levels, center, flux })
@@ -81,19 +89,49 @@ impl Levels {
     }
 }
 
-fn build_level(blocks: &Blocks, center: DVec3, nodes: usize) -> Level {
-    let blocks_per_node = blocks.blocks.len() / nodes;
-    let grid = if nodes <= MOST_FINE_NODES { FINE } else { COARSE };
-    let places: Vec<Place> =
-        (0..nodes).into_par_iter().map(|node| Place::of(blocks, node, blocks_per_node)).collect();
-    let cells: Vec<CellSamples> = places
-        .iter()
-        .enumerate()
-        .map(|(node, place)| cell_samples(blocks, node * blocks_per_node, blocks_per_node, place))
-        .collect();
-    let tables = build_tables(&cells, grid);
-    let octets = places.chunks(8).map(|eight| octet(eight, center)).collect();
-    Level { octets, grid, tables, blocks_per_node }
+/// A level while the one above may still need it.
+struct Nodes {
+    grid: Grid,
+    places: Vec<Place>,
+    raw: Vec<RawTable>,
+    blocks_per_node: usize,
+}
+
+impl Nodes {
+    /// From the level below where that has the same grid, else from the samples.
+    fn build(blocks: &Blocks, count: usize, below: Option<Nodes>) -> Nodes {
+        let blocks_per_node = blocks.blocks.len() / count;
+        let grid = if count <= MOST_FINE_NODES { FINE } else { COARSE };
+        let places: Vec<Place> =
+            (0..count).into_par_iter().map(|i| Place::of(blocks, i, blocks_per_node)).collect();
+        let raw = match below.filter(|below| below.grid == grid) {
+            Some(below) => (0..count).into_par_iter().map(|i| below.merge(i, &places[i])).collect(),
+            None => places
+                .par_iter()
+                .enumerate()
+                .map(|(i, place)| cell_samples(blocks, i * blocks_per_node, blocks_per_node, place))
+                .map(|cell| RawTable::from_samples(&cell, grid))
+                .collect(),
+        };
+        Nodes { grid, places, raw, blocks_per_node }
+    }
+
+    /// Eight of these nodes as one at `place`.
+    fn merge(&self, parent: usize, place: &Place) -> RawTable {
+        let range = parent * 8..(parent + 1) * 8;
+        let shift = |child: &Place| (child.center - place.center).into();
+        let shifts: Vec<[f64; 3]> = self.places[range.clone()].iter().map(shift).collect();
+        RawTable::from_children(&self.raw[range], &shifts)
+    }
+
+    fn to_level(&self, tree_center: DVec3) -> Level {
+        Level {
+            octets: self.places.chunks(8).map(|eight| octet(eight, tree_center)).collect(),
+            grid: self.grid,
+            tables: finish_tables(&self.raw),
+            blocks_per_node: self.blocks_per_node,
+        }
+    }
 }
 
 struct Place {
@@ -128,7 +166,7 @@ fn cell_samples<'a>(
 }
 
 fn octet(places: &[Place], tree_center: DVec3) -> Octet {
-    // Empty lanes lie where the first node is, so that they ask for the same directions.
+    // Empty lanes lie where the first node is, whose table they read.
     let place = |lane: usize| places.get(lane).unwrap_or(&places[0]);
     let lanes = |f: &dyn Fn(&Place) -> f64| Eight(std::array::from_fn(|i| f(place(i)) as f32));
     let flux = Eight(std::array::from_fn(|i| places.get(i).map_or(0.0, |p| p.flux as f32)));

@@ -4,6 +4,7 @@ mod blocks;
 mod descent;
 mod eight;
 mod levels;
+mod moments;
 mod node;
 mod octahedron;
 mod order;
