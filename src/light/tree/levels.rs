@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::blocks::Blocks;
 use super::eight::{Eight, Vectors};
+use super::interpolation::measured_error;
 use super::moments::Channels;
 use super::octahedron::Grid;
 use super::table::{CellSamples, RawTable, finish_tables};
@@ -18,7 +19,7 @@ const MOST_NODES: usize = 4096;
 /// Up to this many nodes the grid is fine, since most hits end there.
 const MOST_FINE_NODES: usize = 512;
 
-const FINE: Grid = Grid { cells: 32 };
+const FINE: Grid = Grid { cells: 24 };
 const COARSE: Grid = Grid { cells: 16 };
 
 /// Eight siblings. A lane without a node has flux 0.
@@ -29,6 +30,8 @@ pub(super) struct Octet {
     /// Of spheres about the centers that hold the samples.
     pub radius: Eight,
     pub flux: Eight,
+    /// Of the table, see [`measured_error`].
+    pub interpolation: Eight,
 }
 
 /// Nodes of equal depth.
@@ -74,7 +77,7 @@ impl Levels {
         let mut levels = Vec::new();
         for bits in bits.into_iter().rev() {
             let nodes = Nodes::build(blocks, 1 << bits, below.take());
-            levels.push(nodes.to_level(center));
+            levels.push(nodes.to_level(blocks, center));
             below = Some(nodes);
         }
         levels.reverse();
@@ -124,11 +127,24 @@ impl Nodes {
         RawTable::from_children(&self.raw[range], &shifts)
     }
 
-    fn to_level(&self, tree_center: DVec3) -> Level {
+    fn to_level(&self, blocks: &Blocks, tree_center: DVec3) -> Level {
+        let tables = finish_tables(&self.raw);
+        let errors: Vec<f64> = tables
+            .par_chunks(self.grid.vertices())
+            .zip(&self.places)
+            .enumerate()
+            .map(|(node, (table, place))| {
+                let range = node * self.blocks_per_node..(node + 1) * self.blocks_per_node;
+                let groups: Vec<_> =
+                    blocks.blocks[range].iter().map(|block| blocks.groups_of(block)).collect();
+                measured_error(&groups, place.flux, table, self.grid)
+            })
+            .collect();
+        let octets = self.places.chunks(8).zip(errors.chunks(8));
         Level {
-            octets: self.places.chunks(8).map(|eight| octet(eight, tree_center)).collect(),
+            octets: octets.map(|(places, errors)| octet(places, errors, tree_center)).collect(),
             grid: self.grid,
-            tables: finish_tables(&self.raw),
+            tables,
             blocks_per_node: self.blocks_per_node,
         }
     }
@@ -165,7 +181,7 @@ fn cell_samples<'a>(
     CellSamples { blocks: blocks.blocks[first..first + count].iter().map(shifted).collect() }
 }
 
-fn octet(places: &[Place], tree_center: DVec3) -> Octet {
+fn octet(places: &[Place], errors: &[f64], tree_center: DVec3) -> Octet {
     // Empty lanes lie where the first node is, whose table they read.
     let place = |lane: usize| places.get(lane).unwrap_or(&places[0]);
     let lanes = |f: &dyn Fn(&Place) -> f64| Eight(std::array::from_fn(|i| f(place(i)) as f32));
@@ -179,5 +195,6 @@ fn octet(places: &[Place], tree_center: DVec3) -> Octet {
         // f32 rounds center and offsets: let the sphere hold the rounded ones.
         radius: lanes(&|p| p.radius * (1.0 + 1e-5) + 1e-7 * (p.center - tree_center).length()),
         flux,
+        interpolation: Eight(std::array::from_fn(|i| errors.get(i).map_or(1.0, |e| *e as f32))),
     }
 }

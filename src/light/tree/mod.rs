@@ -3,6 +3,7 @@
 mod blocks;
 mod descent;
 mod eight;
+mod interpolation;
 mod levels;
 mod moments;
 mod node;

@@ -13,7 +13,8 @@
 //!   largest |s − c̄|² times the trace of C;
 //! - the correlation of τ with ∇G·(s − c̄), and the samples that τ turns toward or away;
 //! - interpolation: E is convex on the octahedron's faces, so it lies between the blended tangents
-//!   and the interpolated values. Their mean is used, and half of their difference is the bound.
+//!   and the interpolated values. Their mean is used, and that part of half their difference that
+//!   was measured while building.
 
 use super::eight::{Eight, Vectors, dot, dot_one, scaled, transposed, turned, vectors};
 use super::levels::Octet;
@@ -87,7 +88,7 @@ fn kernel(octet: &Octet, (grid, table): (Grid, &[Channels]), query: &NodeQuery) 
     let to_center: Vectors = vectors(|axis| octet.center[axis] + -query.point[axis]);
     let inverse_distance = dot(&to_center, &to_center).inverse_sqrt();
     let outward = scaled(&to_center, -inverse_distance);
-    let emission = Emission::look_up(&outward, grid, table);
+    let emission = Emission::look_up(&outward, octet.interpolation, grid, table);
     let cloud = Cloud::new(&to_center, octet.radius, &emission);
     let lobes = sum_lobes(&cloud, query);
 
@@ -129,7 +130,8 @@ fn near_bound(octet: &Octet, inverse_distance: Eight, query: &NodeQuery) -> Eigh
 struct Emission {
     /// Between the two bounds of E.
     middle: Eight,
-    half_width: Eight,
+    /// Measured part of half the bounds' distance.
+    uncertainty: Eight,
     /// Interpolated E, consistent with the moments.
     total: Eight,
     mean: Vectors,
@@ -142,7 +144,12 @@ struct Emission {
 
 impl Emission {
     #[inline(always)]
-    fn look_up(outward: &Vectors, grid: Grid, table: &[Channels]) -> Emission {
+    fn look_up(
+        outward: &Vectors,
+        interpolation: Eight,
+        grid: Grid,
+        table: &[Channels],
+    ) -> Emission {
         let l1 = (outward[0].abs() + outward[1].abs() + outward[2].abs()).at_least(1e-30);
         let inverse = l1.recip();
         let on_octahedron = scaled(outward, inverse);
@@ -158,7 +165,7 @@ impl Emission {
         }
         Emission {
             middle: ((total + tangent) * 0.5).at_least(0.0),
-            half_width: (total - tangent) * 0.5,
+            uncertainty: (total - tangent) * 0.5 * interpolation,
             total,
             mean,
             covariance,
@@ -396,7 +403,7 @@ fn total_error(
     let spacing = 4.0 / grid.cells as f32; // rad, the longest edges
     let w = tmpw();
     emission.total * lobes.error * w[0]
-        + emission.half_width * (lobes.at_mean * w[1] + slope * w[2])
+        + emission.uncertainty * (lobes.at_mean * w[1] + slope * w[2])
         + parallax * slope * 1.5 * w[3]
         + (parallax2 * w[4] + parallax * (0.5 * spacing * w[5])) * lobes.at_mean
 }

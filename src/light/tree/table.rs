@@ -53,26 +53,31 @@ pub(super) fn finish_tables(raw: &[RawTable]) -> Vec<Channels> {
 
 type Lanes = [f32; LANES];
 
+/// Aligned, so that no load crosses a cache line.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+struct Row(Lanes);
+
 /// What a block's samples bring into every direction: for each moment, the factor that stands
 /// beside w or ΦH. One array a moment, so that every sum is a plain dot product.
 struct Terms {
-    flux: [Vec<Lanes>; 3],
+    flux: [Vec<Row>; 3],
     /// Without `EMISSION`, whose factor is 1.
-    factors: Vec<Vec<Lanes>>,
+    factors: Vec<Vec<Row>>,
 }
 
 impl Terms {
     fn new(groups: &[SampleGroup], shift: [f32; 3]) -> Terms {
         let offsets: Vec<[Lanes; 3]> = groups.iter().map(|group| moved(group, shift)).collect();
-        let flux = [0, 1, 2].map(|axis| groups.iter().map(|group| group.flux[axis]).collect());
-        let product = |places: &[usize]| -> Vec<Lanes> {
+        let flux = [0, 1, 2].map(|axis| groups.iter().map(|g| Row(g.flux[axis])).collect());
+        let product = |places: &[usize]| -> Vec<Row> {
             let at = |d: &[Lanes; 3], i: usize| places.iter().map(|axis| d[*axis][i]).product();
-            offsets.iter().map(|d| std::array::from_fn(|i| at(d, i))).collect()
+            offsets.iter().map(|d| Row(std::array::from_fn(|i| at(d, i)))).collect()
         };
         let mut factors = vec![Vec::new(); MOMENTS];
         for axis in 0..3 {
             factors[MEAN + axis] = product(&[axis]);
-            factors[GRADIENT + axis] = groups.iter().map(|group| group.flux[axis]).collect();
+            factors[GRADIENT + axis] = groups.iter().map(|g| Row(g.flux[axis])).collect();
         }
         for (i, (a, b)) in PAIRS.into_iter().enumerate() {
             factors[SPREAD + i] = product(&[a, b]);
@@ -82,9 +87,9 @@ impl Terms {
         }
         let lit = groups.iter().zip(&offsets).map(|(group, d)| lit_factors(group, d));
         for [parallax, squared, flux] in lit {
-            factors[PARALLAX].push(parallax);
-            factors[PARALLAX2].push(squared);
-            factors[LIT].push(flux);
+            factors[PARALLAX].push(Row(parallax));
+            factors[PARALLAX2].push(Row(squared));
+            factors[LIT].push(Row(flux));
         }
         Terms { flux, factors }
     }
@@ -139,36 +144,44 @@ fn kernel(terms: &Terms, vertices: &[[f32; 3]], sums: &mut [[f64; MOMENTS]]) {
     let count = terms.flux[0].len().min(GROUPS);
     let [qx, qy, qz] = &terms.flux;
     let (qx, qy, qz) = (&qx[..count], &qy[..count], &qz[..count]);
-    let mut weight = [[0.0f32; LANES]; GROUPS];
-    let mut lit = [[0.0f32; LANES]; GROUPS];
+    let mut weight = [Row([0.0; LANES]); GROUPS];
+    let mut lit = [Row([0.0; LANES]); GROUPS];
     for (x, sums) in vertices.iter().zip(sums) {
         let mut emission = [0.0f32; LANES];
         for g in 0..count {
             for i in 0..LANES {
-                let toward = x[0] * qx[g][i] + x[1] * qy[g][i] + x[2] * qz[g][i];
-                weight[g][i] = if toward > 0.0 { toward } else { 0.0 };
-                lit[g][i] = if toward > 0.0 { 1.0 } else { 0.0 };
-                emission[i] += weight[g][i];
+                let toward = x[0] * qx[g].0[i] + x[1] * qy[g].0[i] + x[2] * qz[g].0[i];
+                weight[g].0[i] = if toward > 0.0 { toward } else { 0.0 };
+                lit[g].0[i] = if toward > 0.0 { 1.0 } else { 0.0 };
+                emission[i] += weight[g].0[i];
             }
         }
         sums[EMISSION] += f64::from(fold(&emission));
-        for (moment, (sum, factors)) in sums.iter_mut().zip(&terms.factors).enumerate().skip(1) {
-            let is_lit = (GRADIENT..=LIT).contains(&moment);
-            let weights = if is_lit { &lit[..count] } else { &weight[..count] };
-            *sum += f64::from(dot(weights, &factors[..count]));
-        }
+        let (weight, lit) = (&weight[..count], &lit[..count]);
+        add_dots::<9>(weight, &terms.factors[MEAN..], &mut sums[MEAN..]);
+        add_dots::<6>(lit, &terms.factors[GRADIENT..], &mut sums[GRADIENT..]);
+        add_dots::<10>(weight, &terms.factors[SKEW..], &mut sums[SKEW..]);
     }
 }
 
+/// The first `COUNT` moments' dot products, together so that the weights are read once.
 #[inline(always)]
-fn dot(weights: &[Lanes], factors: &[Lanes]) -> f32 {
-    let mut lanes = [0.0f32; LANES];
-    for (w, f) in weights.iter().zip(factors) {
-        for i in 0..LANES {
-            lanes[i] += w[i] * f[i];
+fn add_dots<const COUNT: usize>(weights: &[Row], factors: &[Vec<Row>], sums: &mut [f64]) {
+    let mut lanes = [[0.0f32; LANES]; COUNT];
+    let mut rows = [&weights[..0]; COUNT];
+    for (row, factors) in rows.iter_mut().zip(factors) {
+        *row = &factors[..weights.len()];
+    }
+    for (g, Row(w)) in weights.iter().enumerate() {
+        for (sums, row) in lanes.iter_mut().zip(&rows) {
+            for i in 0..LANES {
+                sums[i] += w[i] * row[g].0[i];
+            }
         }
     }
-    fold(&lanes)
+    for (sum, lanes) in sums.iter_mut().zip(&lanes) {
+        *sum += f64::from(fold(lanes));
+    }
 }
 
 /// Pairwise, so that it takes four steps.
