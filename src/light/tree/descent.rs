@@ -122,7 +122,7 @@ impl Descent<'_> {
     /// Octets of a level are in the order of their parents.
     fn expand_octet(&self, level: usize, octet: usize, query: &NodeQuery, state: &mut State) {
         let at = &self.levels.levels[level];
-        let mut sums = eval_octet(&at.octets[octet], (at.grid, at.table(octet)), query);
+        let mut sums = eval_octet(&at.octets[octet], (at.grid, at.tables(octet)), query);
         state.nodes += 8;
         if let Some(free) = self.visible {
             self.shade(&mut sums, free, level);

@@ -3,7 +3,9 @@
 mod blocks;
 mod descent;
 mod eight;
+mod interpolation;
 mod levels;
+mod moments;
 mod node;
 mod octahedron;
 mod order;
