@@ -20,6 +20,7 @@
 //! no kernel's result depends on fused multiply-add or on the number of lanes.
 
 pub mod color;
+pub mod columns;
 pub mod display;
 pub mod error;
 pub mod fit;

@@ -9,7 +9,9 @@ use super::display::LuaDisplay;
 use super::options::{self, Arguments, Options, Range};
 use super::spectrum::LuaSpectrum;
 use super::{fault, host};
-use crate::display::{self, Display, DisplayImage, Exposure, Gamut, Rendition, Tone};
+use crate::display::{
+    self, Display, DisplayImage, Exposure, Gamut, Glare, GlareReport, Rendition, Tone,
+};
 use crate::error::Error;
 use crate::image::{Region, SpectralImage};
 use crate::memory;
@@ -27,6 +29,7 @@ struct Rendered {
     image: SpectralImage,
     stats: RenderStats,
     build: BuildSeconds,
+    fov_deg: f64,
 }
 
 const NAMES: [&str; 7] = ["height", "luminance", "save", "spectrum", "stats", "width", "xyz"];
@@ -99,7 +102,7 @@ impl UserData for LuaImage {
     }
 }
 
-const PNG_KEYS: [&str; 4] = ["display", "exposure", "gamut", "tone"];
+const PNG_KEYS: [&str; 5] = ["display", "exposure", "gamut", "glare", "tone"];
 
 /// The kind of file follows from the path's ending.
 fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Result<Table> {
@@ -113,8 +116,8 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
             lua.create_table()
         }
         Some("png") => {
-            let shown = save_png(&target, &rendered.image, &arguments.options(&PNG_KEYS)?)?;
-            let gamut = shown.gamut;
+            let shown = save_png(&target, rendered, &arguments.options(&PNG_KEYS)?)?;
+            let gamut = shown.image.gamut;
             // What is too dark shows as the display's black, as anyone expects.
             let (bright, saturated) = (gamut.too_bright, gamut.too_saturated);
             if bright + saturated > 0 {
@@ -153,11 +156,36 @@ fn save_png(target: &Path, image: &SpectralImage, options: &Options) -> mlua::Re
     let gamuts = [("clip", Gamut::Clip), ("desaturate", Gamut::Desaturate)];
     let gamut = options.choice("gamut", &gamuts)?.unwrap_or_default();
     let rendition = Rendition { exposure: exposure(options)?, tone, gamut };
-    let shown = display::present(&image.to_xyz(), &display, &rendition)?;
-    let mut raster = output::display_raster(&shown, &display)?;
-    raster.metadata = image.metadata.clone();
+    let (seen, glare) = match glare(options)? {
+        None => (rendered.image.to_xyz(), None),
+        Some(glare) => {
+            let image = rendered.image.to_xyz();
+            let (seen, report) = display::apply_glare(&image, rendered.fov_deg, &glare)?;
+            (seen, Some(report))
+        }
+    };
+    let image = display::present(&seen, &display, &rendition)?;
+    let mut raster = output::display_raster(&image, &display)?;
+    raster.metadata = rendered.image.metadata.clone();
     output::write_png(target, &raster)?;
-    Ok(shown)
+    Ok(Shown { image, glare })
+}
+
+/// `{age =, pigment =, strength =}`, or `true` for the default eye.
+fn glare(options: &Options) -> mlua::Result<Option<Glare>> {
+    let value = match options.value("glare")? {
+        Value::Nil | Value::Boolean(false) => return Ok(None),
+        Value::Boolean(true) => return Ok(Some(Glare::default())),
+        value => value,
+    };
+    let object = format!("{}: glare", options.object());
+    let eye = Options::new(&object, value, &["age", "pigment", "strength"])?;
+    let default = Glare::default();
+    Ok(Some(Glare {
+        age: eye.number_or("age", Range::new(0.0, 120.0, "years"), default.age)?,
+        pigment: eye.number_or("pigment", Range::new(0.0, 1.2, ""), default.pigment)?,
+        strength: eye.number_or("strength", Range::RATIO, default.strength)?,
+    }))
 }
 
 /// A script's tone curve, from and to luminance relative to display white.
@@ -194,8 +222,10 @@ fn exposure(options: &Options) -> mlua::Result<Exposure> {
     }
 }
 
-fn png_stats(lua: &Lua, shown: &DisplayImage) -> mlua::Result<Table> {
+fn png_stats(lua: &Lua, shown: &Shown) -> mlua::Result<Table> {
     let table = lua.create_table()?;
+    table.set("glare_lost", shown.glare.map(|glare| glare.lost_share))?;
+    let shown = &shown.image;
     table.set("exposure", shown.exposure_factor)?;
     table.set("outside_gamut", shown.gamut.outside())?;
     table.set("too_dark", shown.gamut.too_dark)?;

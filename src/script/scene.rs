@@ -110,7 +110,7 @@ impl LuaScene {
         let progress = host.progress(view.0.pixels());
         let (mut image, stats) = render::render(&prepared, &view.0, &quality, &progress)?;
         image.metadata.insert("script".to_owned(), host.script.display().to_string());
-        Ok(LuaImage::new(image, stats, &prepared))
+        Ok(LuaImage::new(image, stats, &prepared, view.0.fov_deg))
     }
 }
 
