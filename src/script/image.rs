@@ -35,8 +35,13 @@ struct Rendered {
 const NAMES: [&str; 7] = ["height", "luminance", "save", "spectrum", "stats", "width", "xyz"];
 
 impl LuaImage {
-    pub(super) fn new(image: SpectralImage, stats: RenderStats, prepared: &Prepared) -> Self {
-        Self(Arc::new(Rendered { image, stats, build: prepared.seconds }))
+    pub(super) fn new(
+        image: SpectralImage,
+        stats: RenderStats,
+        prepared: &Prepared,
+        fov_deg: f64,
+    ) -> Self {
+        Self(Arc::new(Rendered { image, stats, build: prepared.seconds, fov_deg }))
     }
 
     /// Y of every pixel.
@@ -138,7 +143,13 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
     }
 }
 
-fn save_png(target: &Path, image: &SpectralImage, options: &Options) -> mlua::Result<DisplayImage> {
+/// A PNG that was written, and what was done to its light.
+struct Shown {
+    image: DisplayImage,
+    glare: Option<GlareReport>,
+}
+
+fn save_png(target: &Path, rendered: &Rendered, options: &Options) -> mlua::Result<Shown> {
     let display = options.handle::<LuaDisplay>("display", "a display")?;
     let display = display.map_or_else(Display::srgb, |d| Arc::unwrap_or_clone(d.0));
     let curve = options.value("tone")?;

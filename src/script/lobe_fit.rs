@@ -6,7 +6,7 @@ use super::options::{self, Arguments, Options, Range};
 use super::{fault, host};
 use crate::columns;
 use crate::error::Error;
-use crate::material::lobe_fit::{LobeCount, LobeFit, LobeSpace, LobeTable, fit_lobe};
+use crate::material::{LobeCount, LobeFit, LobeSpace, LobeTable, fit_lobe};
 
 const KEYS: [&str; 7] = ["column", "file", "lobes", "points", "range", "space", "weights"];
 
