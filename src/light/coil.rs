@@ -108,7 +108,7 @@ impl Coil {
     ///
     /// Steps by the distance to the wire, which no step can overshoot, from 0.1 wire radii on: a
     /// ray less than 0.6° above the surface may count as free though the wire bends into its way
-    /// (0.01 % of Lambert's emission).
+    /// (0.01 % of Lambert's emission; for coils of five wire radii and more).
     pub fn blocks(&self, from: SurfacePoint, direction: DVec3) -> bool {
         let wire = self.wire_radius_mm;
         let Some(walls) = Walls::along(self, from.position, direction) else { return false };
