@@ -1,5 +1,7 @@
 //! The descent: expand nodes until their estimated errors together are within the budget.
 
+use std::cell::Cell;
+
 use glam::DVec3;
 
 use super::SideSum;
@@ -67,7 +69,7 @@ impl Descent<'_> {
     /// Nodes that stay may take half of the budget, so that their siblings' children have room.
     fn threshold(&self, state: &mut State) -> Option<f64> {
         if self.visible.is_some() {
-            self.doubt_borders(&mut state.leaves);
+            self.doubt_borders(state);
         }
         let (value, error) = state.totals();
         let budget = self.light_error * (value - error).max(self.dark_sum());
@@ -108,11 +110,26 @@ impl Descent<'_> {
         }
         let per_node = self.levels.levels[level].blocks_per_node;
         let first = leaf.node as usize * per_node;
+        let (any_seen, any_hidden) = (Cell::new(false), Cell::new(false));
+        let asked = |place: DVec3| {
+            let is_free = self.visible.is_none_or(|free| free(place));
+            if is_free {
+                any_seen.set(true)
+            } else {
+                any_hidden.set(true)
+            }
+            is_free
+        };
+        let visible = self.visible.map(|_| &asked as Visibility);
         for block in first..first + per_node {
-            let (sum, samples) =
-                self.blocks.sum(block, self.query, self.visible, &mut state.scratch);
+            let (sum, samples) = self.blocks.sum(block, self.query, visible, &mut state.scratch);
             state.exact += sum;
             state.samples += samples;
+        }
+        if visible.is_some() {
+            let (center, radius) = self.sphere(&leaf);
+            let (is_seen, is_hidden) = (any_seen.get(), any_hidden.get());
+            state.settled.push(Shade { center, radius, is_seen, is_hidden });
         }
     }
 
@@ -148,18 +165,15 @@ impl Descent<'_> {
     }
 
     /// Where seen and hidden nodes touch, any of them may be hidden in part.
-    fn doubt_borders(&self, leaves: &mut [Leaf]) {
-        let spheres: Vec<(DVec3, f64)> = leaves.iter().map(|leaf| self.sphere(leaf)).collect();
-        for i in 0..leaves.len() {
-            let (center, radius) = spheres[i];
-            let is_seen = leaves[i].value > 0.0;
-            let touches = |(j, leaf): (usize, &Leaf)| {
-                let opposite = if is_seen { leaf.hidden > 0.0 } else { leaf.value > 0.0 };
-                let reach = radius + spheres[j].1;
-                opposite && center.distance_squared(spheres[j].0) <= reach * reach
-            };
-            if leaves.iter().enumerate().any(touches) {
-                let leaf = &mut leaves[i];
+    fn doubt_borders(&self, state: &mut State) {
+        let shade = |leaf: &Leaf| {
+            let (center, radius) = self.sphere(leaf);
+            Shade { center, radius, is_seen: leaf.value > 0.0, is_hidden: leaf.hidden > 0.0 }
+        };
+        let mut shades: Vec<Shade> = state.leaves.iter().map(shade).collect();
+        shades.extend(&state.settled);
+        for (leaf, here) in state.leaves.iter_mut().zip(&shades) {
+            if shades.iter().any(|there| here.borders_on(there)) {
                 leaf.error = leaf.error.max(leaf.value).max(leaf.hidden);
             }
         }
@@ -173,9 +187,28 @@ impl Descent<'_> {
     }
 }
 
+/// Where a node lies, and what of it the hit sees as far as it asked.
+#[derive(Debug, Clone, Copy)]
+struct Shade {
+    center: DVec3,
+    radius: f64,
+    is_seen: bool,
+    is_hidden: bool,
+}
+
+impl Shade {
+    fn borders_on(&self, other: &Shade) -> bool {
+        let differs = (self.is_seen && other.is_hidden) || (self.is_hidden && other.is_seen);
+        let reach = self.radius + other.radius;
+        differs && self.center.distance_squared(other.center) <= reach * reach
+    }
+}
+
 struct State {
     leaves: Vec<Leaf>,
     expanded: Vec<Leaf>,
+    /// Nodes that were summed sample by sample; only with shadows.
+    settled: Vec<Shade>,
     exact: f64,
     nodes: u32,
     samples: u32,
@@ -187,6 +220,7 @@ impl State {
         State {
             leaves: Vec::with_capacity(256),
             expanded: Vec::with_capacity(64),
+            settled: Vec::new(),
             exact: 0.0,
             nodes: 0,
             samples: 0,

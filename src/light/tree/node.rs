@@ -52,7 +52,7 @@ pub(super) struct NodeSums {
 }
 
 /// Radius over distance from which a node is too near for its table.
-const NEAREST: f32 = 0.4;
+const NEAREST: f32 = 0.3;
 
 /// A Taylor remainder weighs the derivative at t of the way to a sample with 4 (1 − t)³, 1/5 on
 /// average. For a derivative that grows as e^(at), this is less than its value at 0.4 up to a = 10.
@@ -100,7 +100,7 @@ fn kernel(octet: &Octet, (grid, table): (Grid, &[Channels]), query: &NodeQuery) 
     let falloff = falloff(&cloud, inverse_distance, query.inverse_square);
     let parallax = emission.parallax * inverse_distance;
     let value = ((emission.middle - parallax) * lobes.value * falloff).at_least(0.0);
-    let error = falloff * total_error(&emission, &cloud, &lobes, (inverse_distance, grid));
+    let error = falloff * total_error(&emission, &cloud, &lobes, (octet, inverse_distance, grid));
 
     // f32 rounds the hit's and the node's places by their size.
     let size = dot(&octet.center, &octet.center).rough_sqrt();
@@ -403,16 +403,17 @@ fn total_error(
     emission: &Emission,
     cloud: &Cloud,
     lobes: &LobeSums,
-    (inverse_distance, grid): (Eight, Grid),
+    (octet, inverse_distance, grid): (&Octet, Eight, Grid),
 ) -> Eight {
     let width = cloud.trace.rough_sqrt() * cloud.inverse_distance;
     let slope = lobes.slope * width;
-    // √(Σ Φ H τ² · Σ w)/R
+    // Σ Φ τ²/R², and the root mean square of τ/R times the flux.
     let parallax2 = emission.parallax2.at_least(0.0) * inverse_distance * inverse_distance;
-    let parallax = (parallax2 * emission.total).rough_sqrt();
+    let parallax = (parallax2 * octet.flux).rough_sqrt();
+    let correlated = (parallax2 * emission.total).rough_sqrt();
     let spacing = 4.0 / grid.cells as f32; // rad, the longest edges
     emission.total * lobes.error
         + emission.uncertainty * (lobes.at_mean + slope)
-        + parallax * slope * 1.5
-        + (parallax2 + parallax * (0.5 * spacing)) * lobes.at_mean
+        + correlated * slope * 1.5
+        + (parallax2 * 3.0 + parallax * (0.25 * spacing)) * (lobes.at_mean + slope)
 }
