@@ -80,9 +80,15 @@ pub(super) fn eval_octet(
         fn with_avx2(octet: &Octet, table: (Grid, &[Channels]), query: &NodeQuery) -> NodeSums {
             kernel(octet, table, query)
         }
-        if detected() != Isa::Plain {
-            // SAFETY: the processor has said that it has AVX2.
-            return unsafe { with_avx2(octet, (grid, table), query) };
+        #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw")]
+        fn with_avx512(octet: &Octet, table: (Grid, &[Channels]), query: &NodeQuery) -> NodeSums {
+            kernel(octet, table, query)
+        }
+        // SAFETY: each is called only after the processor has said that it has the features.
+        match detected() {
+            Isa::Avx512 => return unsafe { with_avx512(octet, (grid, table), query) },
+            Isa::Avx2 => return unsafe { with_avx2(octet, (grid, table), query) },
+            Isa::Plain => {}
         }
     }
     kernel(octet, (grid, table), query)
