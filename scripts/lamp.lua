@@ -38,11 +38,11 @@ lamp.defaults = {
   rib = 4, -- between two chambers
   hole = 12, -- radius, for the bulb
   chambers = {
-    { from = 0, to = 1 / 3, focal = 25, back = -8 },
+    { from = 0, to = 1 / 3, focal = 25, back = -14 },
     { from = 1 / 3, to = 2 / 3, focal = 25, back = 0 },
-    { from = 2 / 3, to = 1, focal = 25, back = -8 },
+    { from = 2 / 3, to = 1, focal = 25, back = -14 },
   },
-  optics = { kind = "pillows", width = 14, height = 14, depth = 0.5 }, -- of chambers without own
+  optics = { kind = "pillows", width = 14, height = 14, depth = 0.7, depth_up = 0.4 }, -- of chambers without own
 }
 
 --- `options` over `defaults`, table in table; lists are taken whole.
@@ -73,11 +73,11 @@ local function within_cell(place, count)
   return 2 * (cell - math.min(math.floor(cell), count - 1)) - 1
 end
 
---- Height over the base surface at (u, v) in units of the optics' depth, by kind.
+--- Height over the base surface at (a, b) in a cell, for depths across and up, by kind.
 local relief = {
-  pillows = function(a, b) return 2 - a * a - b * b end,
-  flutes = function(a) return 1 - a * a end, -- upright ridges
-  bars = function(_, b) return 1 - b * b end, -- level ridges
+  pillows = function(a, b, across, up) return across * (1 - a * a) + up * (1 - b * b) end,
+  flutes = function(a, _, across) return across * (1 - a * a) end, -- upright ridges
+  bars = function(_, b, _, up) return up * (1 - b * b) end, -- level ridges
   plain = function() return 0 end,
 }
 
@@ -92,9 +92,10 @@ end
 --- z over the base surface as a function of (u, v) in a patch of this size.
 local function relief_function(optics, columns, rows)
   local shape = relief[optics.kind] or error(("lamp: unknown optics \"%s\""):format(optics.kind), 0)
-  local depth = optics.depth or 0
+  local across = optics.depth or 0
+  local up = optics.depth_up or across
   return function(u, v)
-    return depth * shape(within_cell(u, columns), within_cell(v, rows))
+    return shape(within_cell(u, columns), within_cell(v, rows), across, up)
   end
 end
 
@@ -231,7 +232,7 @@ local base_shapes = {
   end,
   -- Focal lengths that differ across and up, and grow outward: wider light, no facets.
   free = function(chamber, dx, dy)
-    local spread = chamber.spread or { 0.12, 0.05 }
+    local spread = chamber.spread or { 0.04, 0.02 }
     local r2 = (dx * dx + dy * dy) / 3600
     return paraboloid(chamber.focal, dx * (1 - spread[1] * r2), dy * (1 - spread[2] * r2))
   end,
@@ -268,6 +269,13 @@ local function build_chamber(o, face, chamber)
   local function reflector(u, v)
     local x, y = place(u, v)
     return x, y, base(u, v) + bump(u, v)
+  end
+  local outer = outer_face_function(o.lens)
+  for corner = 0, 3 do
+    local x, y, z = reflector(corner % 2, corner // 2)
+    if z > outer(x, y) - o.lens.thickness - 2 then
+      error("lamp: a reflector's corner reaches the lens: lower \"back\" or raise \"lens.front\"", 0)
+    end
   end
   local edge = o.reflector_edge * o.coarseness
   local function around_hole(x, y)
@@ -394,7 +402,8 @@ function lamp.materials()
     red = lens "pmma_red_3mm",
     amber = lens "pmma_amber_3mm",
     light_amber = lens "pmma_light_amber_3mm",
-    housing = lampyris.material { reflectance = 0.04, k_d = 0.9, k_s = 0.1, n_d = 1, n_s = 20 },
+    -- glossy black: what is not mirrored is swallowed but for a tenth
+    housing = lampyris.material { reflectance = 0.04, k_d = 0.1, k_s = 0.9, n_d = 1, n_s = 100 },
   }
 end
 

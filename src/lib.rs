@@ -20,6 +20,7 @@
 //! no kernel's result depends on fused multiply-add or on the number of lanes.
 
 pub mod color;
+pub mod columns;
 pub mod display;
 pub mod error;
 pub mod figure;
@@ -28,6 +29,7 @@ pub mod geometry;
 pub mod image;
 pub mod light;
 pub mod material;
+pub mod memory;
 pub mod output;
 pub mod progress;
 pub mod render;

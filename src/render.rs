@@ -9,7 +9,9 @@ use crate::error::{Error, Result};
 use crate::image::{Metadata, SpectralImage};
 use crate::light::Photometry;
 use crate::scene::Prepared;
-use crate::shading::{Bands, SpectralTables, TraceCounts, TraceLimits, TraceState, Tracer};
+use crate::shading::{
+    Bands, LightCheck, SpectralTables, TraceCounts, TraceLimits, TraceState, Tracer,
+};
 use crate::spectrum::WavelengthGrid;
 use crate::view::{Camera, View};
 
@@ -136,6 +138,27 @@ pub fn render(
         largest_light_error: film.pixels.iter().map(relative).fold(0.0, f64::max),
     };
     Ok((film.into_image(view, quality, prepared.scene.photometry), stats))
+}
+
+/// Compares the light sums of `hits` hits of a view, drawn evenly, with the exact ones.
+///
+/// Same inputs, same hits. `None` if no light arrives at any of them. Errors: as [`render`].
+pub fn check_light_error(
+    prepared: &Prepared,
+    view: &View,
+    quality: &Quality,
+    hits: usize,
+) -> Result<Option<LightCheck>> {
+    /// Camera rays tried for each hit, before the view is taken for empty.
+    const TRIES: usize = 100;
+    let tables = SpectralTables::new(&prepared.scene, quality.grid)?;
+    let tracer = Tracer { prepared, tables: &tables, limits: quality.limits };
+    let camera = view.camera();
+    let rays = (0..(hits * TRIES) as u32).map(|i| {
+        let [x, y] = sample_place(i);
+        camera.ray(x * view.width as f64, y * view.height as f64)
+    });
+    Ok(tracer.check_light(rays, hits))
 }
 
 /// Luminance statistics of a pixel's samples (Welford's recurrence).
@@ -296,7 +319,7 @@ impl Renderer<'_> {
     }
 }
 
-/// Where in a pixel its i-th sample lies, 0 to 1: the additive recurrence of the plastic number,
+/// Where in the unit square the i-th sample lies: the additive recurrence of the plastic number,
 /// evenly spread for every count, begun at the pixel's center.
 fn sample_place(i: u32) -> [f64; 2] {
     const PLASTIC: f64 = 1.324_717_957_244_746;

@@ -9,9 +9,11 @@ mod options;
 mod sandbox;
 
 mod display;
+mod display_fit;
 mod emitter;
 mod image;
 mod light;
+mod lobe_fit;
 mod material;
 mod mesh;
 mod scene;
@@ -61,6 +63,7 @@ fn module(lua: &Lua) -> mlua::Result<Table> {
     view::register(lua, &module)?;
     scene::register(lua, &module)?;
     display::register(lua, &module)?;
+    lobe_fit::register(lua, &module)?;
     fault::refuse_unknown_names(lua, &module, "lampyris")?;
     Ok(module)
 }

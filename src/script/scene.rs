@@ -12,6 +12,7 @@ use super::options::{self, Arguments, Options, Range};
 use super::spectrum::grid_from_step;
 use super::view::LuaView;
 use super::{fault, host};
+use crate::error::Error;
 use crate::light::Photometry;
 use crate::material::Material;
 use crate::render::{self, Quality, Samples};
@@ -109,7 +110,32 @@ impl LuaScene {
         let progress = host.progress(view.0.pixels());
         let (mut image, stats) = render::render(&prepared, &view.0, &quality, &progress)?;
         image.metadata.insert("script".to_owned(), host.script.display().to_string());
-        Ok(LuaImage::new(image, stats, &prepared))
+        Ok(LuaImage::new(image, stats, &prepared, view.0.fov_deg))
+    }
+}
+
+impl LuaScene {
+    /// Median, 95th percentile and largest relative error of the light sums at some hits.
+    fn check_light_error(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
+        const OBJECT: &str = "scene:check_light_error";
+        let value = arguments.value();
+        let view: LuaView = options::handle(OBJECT, "argument 1", &value, "a view")?;
+        let keys = ["hits", "light_error", "max_depth", "min_throughput", "wavelength_step"];
+        let options = arguments.options(&keys)?;
+        let hits = options.count("hits", 1, 1_000_000)?.unwrap_or(300) as usize;
+        let quality = quality(options)?;
+        let prepared = self.prepared()?;
+        let check = render::check_light_error(&prepared, &view.0, &quality, hits)?;
+        let check = check.ok_or_else(|| {
+            Error::inconsistent(OBJECT, "no light arrives at what the view shows")
+        })?;
+        let table = lua.create_table()?;
+        table.set("sums", check.sums)?;
+        table.set("median", check.median)?;
+        table.set("percentile_95", check.percentile_95)?;
+        table.set("largest", check.largest)?;
+        table.set("largest_of_estimate", check.largest_of_estimate)?;
+        Ok(table)
     }
 }
 
@@ -156,6 +182,9 @@ impl UserData for LuaScene {
         fault::method(methods, "render", |lua, this: &Self, a| {
             this.render(lua, Arguments::new("scene:render", a, 2)?)
         });
+        fault::method(methods, "check_light_error", |lua, this: &Self, a| {
+            this.check_light_error(lua, Arguments::new("scene:check_light_error", a, 2)?)
+        });
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
             let scene = &this.scene;
             let triangles: usize = scene.objects.iter().map(|o| o.mesh.triangles.len()).sum();
@@ -165,6 +194,6 @@ impl UserData for LuaScene {
                 scene.lights.len()
             ))
         });
-        fault::refuse_unknown_fields(methods, "scene", &["render"]);
+        fault::refuse_unknown_fields(methods, "scene", &["check_light_error", "render"]);
     }
 }

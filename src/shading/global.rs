@@ -13,6 +13,9 @@ impl Tracer<'_> {
         branch: Branch,
         state: &mut TraceState,
     ) {
+        if branch.depth >= self.limits.max_depth {
+            return;
+        }
         let material = &self.prepared.scene.materials[surface.material.0];
         let transmitted = material.transmits().then(|| transmit(surface, material)).flatten();
         let mirror_share = if material.transmits() && transmitted.is_none() {

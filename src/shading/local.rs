@@ -20,23 +20,15 @@ impl Tracer<'_> {
         if self.tables.has_ambient && material.k_a > 0.0 {
             self.add_ambient(material.k_a, tables, throughput, sum);
         }
-        let query = HitQuery {
-            point: surface.departure.point,
-            normal: surface.normal,
-            view: surface.view,
-            lobes: &material.lobes,
-            photometry: scene.photometry,
-            reflects: tables.reflects,
-            transmits: tables.transmits && surface.side == Side::Front,
-        };
-        if !(query.reflects || query.transmits) {
+        if !self.is_lit(surface) {
             return;
         }
         for light in 0..scene.lights.len() {
-            let answer = self.light_sum(light, &query, surface, state);
+            let (answer, shadow_rays) = self.light_sum(light, surface, self.limits.light_error);
             state.counts.light_sums += 1;
             state.counts.light_nodes += u64::from(answer.nodes);
             state.counts.light_samples += u64::from(answer.samples);
+            state.counts.shadow_rays += shadow_rays;
             let power = &self.tables.lights[light];
             add_light(&answer, power, tables, throughput, sum);
             if answer.reflected_error + answer.transmitted_error > 0.0 {
@@ -45,27 +37,46 @@ impl Tracer<'_> {
         }
     }
 
-    fn light_sum(
+    /// Whether any lobe on any side can return light to V.
+    pub(super) fn is_lit(&self, surface: &SurfacePoint) -> bool {
+        let query = self.hit_query(surface);
+        query.reflects || query.transmits
+    }
+
+    fn hit_query(&self, surface: &SurfacePoint) -> HitQuery<'_> {
+        let scene = &self.prepared.scene;
+        let tables = &self.tables.materials[surface.material.0];
+        HitQuery {
+            point: surface.departure.point,
+            normal: surface.normal,
+            view: surface.view,
+            lobes: &scene.materials[surface.material.0].lobes,
+            photometry: scene.photometry,
+            reflects: tables.reflects,
+            transmits: tables.transmits && surface.side == Side::Front,
+        }
+    }
+
+    /// The sum over a light's samples, and the shadow rays that it took.
+    pub(super) fn light_sum(
         &self,
         light: usize,
-        query: &HitQuery,
         surface: &SurfacePoint,
-        state: &mut TraceState,
-    ) -> LightSum {
+        light_error: f64,
+    ) -> (LightSum, u64) {
+        let query = self.hit_query(surface);
         let tree = &self.prepared.light_trees[light];
         if !self.casts_shadows() {
-            return tree.sum(query, self.limits.light_error, None);
+            return (tree.sum(&query, light_error, None), 0);
         }
-        let asked = Cell::new(0);
+        let shadow_rays = Cell::new(0);
         let visible = |position: DVec3| {
-            asked.set(asked.get() + 1);
+            shadow_rays.set(shadow_rays.get() + 1);
             let from = surface.departure.toward(position - surface.departure.point);
             let leaving = Some(surface.triangle);
             !self.prepared.bvh.is_occluded(from, position, leaving, &self.prepared.blocks)
         };
-        let answer = tree.sum(query, self.limits.light_error, Some(&visible));
-        state.counts.shadow_rays += asked.get();
-        answer
+        (tree.sum(&query, light_error, Some(&visible)), shadow_rays.get())
     }
 
     /// k_a I_a(λ) F_r(λ), on both sides.

@@ -6,10 +6,12 @@
 
 mod bands;
 mod global;
+mod light_check;
 mod local;
 mod tables;
 
 pub use bands::Bands;
+pub use light_check::LightCheck;
 pub use tables::{MaterialTables, SpectralTables};
 
 use crate::geometry::{DVec3, Departure, Hit, Ray, TriangleId};
@@ -84,6 +86,12 @@ struct Branch {
     throughput: Bands,
 }
 
+impl Branch {
+    fn from_camera(ray: Ray, bands: usize) -> Self {
+        Self { ray, leaving: None, depth: 0, body: None, throughput: Bands::one(bands) }
+    }
+}
+
 /// A hit with its surface's frame: model.md, "V", "N_g, N".
 #[derive(Debug, Clone, Copy)]
 struct SurfacePoint {
@@ -105,39 +113,43 @@ enum Side {
     Back,
 }
 
+/// What became of a ray.
+enum Arrival {
+    Missed,
+    /// Too little is left of it.
+    Cut,
+    Hit(SurfacePoint),
+}
+
 impl Tracer<'_> {
     /// Adds the spectral radiance that arrives along `ray` to `sum`.
     pub fn trace(&self, ray: Ray, state: &mut TraceState, sum: &mut Bands) {
         state.counts.camera_rays += 1;
-        state.pending.push(Branch {
-            ray,
-            leaving: None,
-            depth: 0,
-            body: None,
-            throughput: Bands::one(self.tables.bands),
-        });
-        while let Some(branch) = state.pending.pop() {
-            self.follow(branch, state, sum);
+        state.pending.push(Branch::from_camera(ray, self.tables.bands));
+        while let Some(mut branch) = state.pending.pop() {
+            match self.arrive(&mut branch) {
+                Arrival::Missed => sum.add_product(&branch.throughput, &self.tables.background),
+                Arrival::Cut => {}
+                Arrival::Hit(surface) => {
+                    self.add_local(&surface, &branch.throughput, state, sum);
+                    self.push_children(&surface, branch, state);
+                }
+            }
         }
     }
 
-    fn follow(&self, mut branch: Branch, state: &mut TraceState, sum: &mut Bands) {
+    fn arrive(&self, branch: &mut Branch) -> Arrival {
         let Some(hit) = self.prepared.bvh.closest_hit(&branch.ray, branch.leaving) else {
-            sum.add_product(&branch.throughput, &self.tables.background);
-            return;
+            return Arrival::Missed;
         };
         if let Some(body) = branch.body {
             let absorption = &self.tables.materials[body.0].absorption_per_mm;
             branch.throughput.attenuate(absorption, hit.distance_mm);
             if self.is_cut(&branch.throughput) {
-                return;
+                return Arrival::Cut;
             }
         }
-        let surface = self.surface_point(&branch.ray, hit);
-        self.add_local(&surface, &branch.throughput, state, sum);
-        if branch.depth < self.limits.max_depth {
-            self.push_children(&surface, branch, state);
-        }
+        Arrival::Hit(self.surface_point(&branch.ray, hit))
     }
 
     fn is_cut(&self, throughput: &Bands) -> bool {
