@@ -319,7 +319,7 @@ mod tests {
 
     #[test]
     fn the_legend_goes_where_no_points_are() {
-        let points = [[95.0, 10.0], [90.0, 45.0]];
+        let points = [[80.0, 12.0], [80.0, 35.0]];
         let corner = emptiest_corner(BOX, [20.0, 10.0], &points);
         assert_eq!((corner.x, corner.y), (8.0, 8.0));
         assert_eq!(emptiest_corner(BOX, [20.0, 10.0], &[]).x, 72.0);
