@@ -24,15 +24,18 @@ pub mod display;
 pub mod error;
 pub mod geometry;
 pub mod image;
+pub mod info;
 pub mod light;
 pub mod material;
 pub mod output;
+pub mod photometry;
 pub mod progress;
 pub mod render;
 pub mod scene;
 pub mod script;
 pub mod shading;
 pub mod spectrum;
+pub mod sweep;
 pub mod view;
 
 pub use error::{Error, Result};

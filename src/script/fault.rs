@@ -3,9 +3,11 @@
 use std::path::Path;
 
 use mlua::{Function, IntoLuaMulti, Lua, MultiValue, Table, Value};
+use serde_json::json;
 
 use super::host::Host;
 use crate::error::{Error, Hint};
+use crate::progress::Verbosity;
 
 /// What ends a script, as its user reads it.
 #[derive(Debug, thiserror::Error)]
@@ -14,6 +16,20 @@ pub struct ScriptFault {
     pub message: String,
     /// Ctrl-C, not a mistake.
     pub interrupted: bool,
+}
+
+impl ScriptFault {
+    /// The message as standard error's reader wants it.
+    pub fn report(&self, verbosity: Verbosity) -> String {
+        match verbosity {
+            Verbosity::Json => {
+                let Self { message, interrupted } = self;
+                json!({ "event": "error", "message": message, "interrupted": interrupted })
+                    .to_string()
+            }
+            Verbosity::Quiet | Verbosity::Bar => self.message.clone(),
+        }
+    }
 }
 
 impl From<mlua::Error> for ScriptFault {

@@ -6,16 +6,20 @@ use std::sync::Arc;
 use mlua::{Function, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
 use super::display::LuaDisplay;
+use super::host::Host;
 use super::options::{self, Arguments, Options, Range};
 use super::spectrum::LuaSpectrum;
+use super::view::MAX_SIDE;
 use super::{fault, host};
-use crate::display::{self, Display, DisplayImage, Exposure, Gamut, Rendition, Tone};
+use crate::display::{self, Display, DisplayImage, Exposure, Gamut, GamutReport, Rendition, Tone};
 use crate::error::Error;
 use crate::image::{Region, SpectralImage};
 use crate::output;
+use crate::photometry;
 use crate::render::RenderStats;
 use crate::scene::{BuildSeconds, Prepared};
 use crate::spectrum::Spectrum;
+use crate::view::View;
 
 /// Handle of a rendered image.
 #[derive(Debug, Clone)]
@@ -25,14 +29,34 @@ pub struct LuaImage(Arc<Rendered>);
 struct Rendered {
     image: SpectralImage,
     stats: RenderStats,
+    view: View,
     build: BuildSeconds,
 }
 
-const NAMES: [&str; 7] = ["height", "luminance", "save", "spectrum", "stats", "width", "xyz"];
+/// A region that need not be that of a known image.
+pub(super) fn region(options: &Options) -> mlua::Result<Region> {
+    let place = |key, min, default| {
+        options.count(key, min, MAX_SIDE).map(|n| n.unwrap_or(default) as usize)
+    };
+    Ok(Region {
+        x: place("x", 0, 0)?,
+        y: place("y", 0, 0)?,
+        width: place("width", 1, 1)?,
+        height: place("height", 1, 1)?,
+    })
+}
+
+const NAMES: [&str; 8] =
+    ["height", "intensity", "luminance", "save", "spectrum", "stats", "width", "xyz"];
 
 impl LuaImage {
-    pub(super) fn new(image: SpectralImage, stats: RenderStats, prepared: &Prepared) -> Self {
-        Self(Arc::new(Rendered { image, stats, build: prepared.seconds }))
+    pub(super) fn new(
+        image: SpectralImage,
+        stats: RenderStats,
+        view: View,
+        prepared: &Prepared,
+    ) -> Self {
+        Self(Arc::new(Rendered { image, stats, view, build: prepared.seconds }))
     }
 
     /// `{x =, y =, width = 1, height = 1}`, or the whole image for nil.
@@ -55,7 +79,7 @@ impl LuaImage {
     }
 }
 
-const REGION_KEYS: [&str; 4] = ["height", "width", "x", "y"];
+pub(super) const REGION_KEYS: [&str; 4] = ["height", "width", "x", "y"];
 
 impl UserData for LuaImage {
     fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
@@ -81,6 +105,11 @@ impl UserData for LuaImage {
             let region = Arguments::new("image:luminance", a, 1)?.options(&REGION_KEYS)?;
             Ok(this.0.image.mean_xyz(this.region(region)?)?.y)
         });
+        fault::method(methods, "intensity", |lua, this: &Self, a| {
+            Arguments::new("image:intensity", a, 0)?;
+            warn_of_cut_off(&host::of(lua)?, &this.0.image, &this.0.view);
+            Ok(photometry::intensity(&this.0.image, &this.0.view)?.y)
+        });
         fault::method(methods, "save", |lua, this: &Self, a| {
             save(lua, &this.0, Arguments::new("image:save", a, 2)?)
         });
@@ -93,7 +122,7 @@ impl UserData for LuaImage {
     }
 }
 
-const PNG_KEYS: [&str; 4] = ["display", "exposure", "gamut", "tone"];
+pub(super) const PNG_KEYS: [&str; 4] = ["display", "exposure", "gamut", "tone"];
 
 /// The kind of file follows from the path's ending.
 fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Result<Table> {
@@ -108,17 +137,7 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
         }
         Some("png") => {
             let shown = save_png(&target, &rendered.image, &arguments.options(&PNG_KEYS)?)?;
-            let gamut = shown.gamut;
-            // What is too dark shows as the display's black, as anyone expects.
-            let (bright, saturated) = (gamut.too_bright, gamut.too_saturated);
-            if bright + saturated > 0 {
-                host.warn(format!(
-                    "{path}: the display cannot show {bright} pixels that are brighter than its \
-                     white and {saturated} that are more saturated than its primaries, of {}; up \
-                     to ΔE00 {:.1}",
-                    gamut.pixels, gamut.max_delta_e_2000
-                ));
-            }
+            warn_of_gamut(&host, &path, &shown.gamut);
             png_stats(lua, &shown)
         }
         _ => {
@@ -129,7 +148,30 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
     }
 }
 
-fn save_png(target: &Path, image: &SpectralImage, options: &Options) -> mlua::Result<DisplayImage> {
+/// Light beyond the image is not in its intensity.
+pub(super) fn warn_of_cut_off(host: &Host, image: &SpectralImage, view: &View) {
+    if photometry::is_cut_off(image) {
+        host.warn(format!("intensity: light reaches the border of the image ({view})"));
+    }
+}
+
+/// What is too dark shows as the display's black, as anyone expects.
+pub(super) fn warn_of_gamut(host: &Host, path: &str, gamut: &GamutReport) {
+    let (bright, saturated) = (gamut.too_bright, gamut.too_saturated);
+    if bright + saturated > 0 {
+        host.warn(format!(
+            "{path}: the display cannot show {bright} pixels that are brighter than its white and \
+             {saturated} that are more saturated than its primaries, of {}; up to ΔE00 {:.1}",
+            gamut.pixels, gamut.max_delta_e_2000
+        ));
+    }
+}
+
+pub(super) fn save_png(
+    target: &Path,
+    image: &SpectralImage,
+    options: &Options,
+) -> mlua::Result<DisplayImage> {
     let display = options.handle::<LuaDisplay>("display", "a display")?;
     let display = display.map_or_else(Display::srgb, |d| Arc::unwrap_or_clone(d.0));
     let curve = options.value("tone")?;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
+use super::host::Host;
 use super::mesh::placement;
 use super::options::{self, Arguments, Options, Range};
 use super::spectrum::LuaSpectrum;
@@ -46,7 +47,7 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let keys = ["flux", "samples", "seed", "spectrum", "start", "transform"];
     let options = arguments.options(&keys)?;
     let host = host::of(lua)?;
-    let file = rayfile::read(&host.input(&path))?;
+    let file = rayfile::read(&host.input(&path)?)?;
     for warning in &file.warnings {
         host.warn(format!("{path}: {warning}"));
     }
@@ -56,7 +57,7 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     };
     let (mut rays, spectrum) = file.into_light(given)?;
     if let Some(count) = options.count("samples", 1, MAX_SAMPLES)? {
-        rays = rays.thinned(count as usize, seed(&options)?);
+        rays = rays.thinned(count as usize, seed(&host, &options)?);
     }
     if options.has("start")? {
         rays = rays.starting_at(&start_surface(options.value("start")?)?)?;
@@ -64,11 +65,13 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     placed(LuaLight { rays, spectrum: Arc::new(spectrum) }, options.value("transform")?)
 }
 
-/// Draws repeat: the same seed gives the same samples.
-pub(super) fn seed(options: &Options) -> mlua::Result<u64> {
+/// Draws repeat: the same seed gives the same samples. Manifests name it.
+pub(super) fn seed(host: &Host, options: &Options) -> mlua::Result<u64> {
     /// Every whole number up to here is a number of Lua's.
     const LAST: u64 = 1 << 53;
-    Ok(options.count("seed", 0, LAST)?.unwrap_or(thinning::DEFAULT_SEED))
+    let seed = options.count("seed", 0, LAST)?.unwrap_or(thinning::DEFAULT_SEED);
+    host.note_seed(options.object(), seed);
+    Ok(seed)
 }
 
 /// `{axis =, through =}` or `{point =}`, with an optional `radius`.

@@ -35,6 +35,8 @@ pub(super) fn new_state() -> mlua::Result<Lua> {
     }
     globals.get::<Table>("string")?.set("dump", Value::Nil)?;
     globals.set("load", lua.create_function(load_text)?)?;
+    // Lua seeds itself from the clock and an address: the same script would draw other numbers.
+    globals.get::<Table>("math")?.get::<mlua::Function>("randomseed")?.call::<()>(0)?;
     replace_pcall(&lua)?;
     Ok(lua)
 }
@@ -115,8 +117,11 @@ fn chunk_text(chunk: Value) -> mlua::Result<Vec<u8>> {
     }
 }
 
-/// Ends the script at Ctrl-C, and hands it its arguments.
+/// Limits the memory, ends the script at Ctrl-C, and hands it its arguments.
 pub(super) fn limit(lua: &Lua, host: &Host) -> mlua::Result<()> {
+    if let Some(bytes) = host.settings.max_memory {
+        lua.set_memory_limit(bytes)?;
+    }
     let interrupted = host.settings.interrupted.clone();
     let triggers = HookTriggers::new().every_nth_instruction(INTERRUPT_INTERVAL);
     lua.set_global_hook(triggers, move |_, _| {
@@ -169,6 +174,10 @@ fn load_module(lua: &Lua, name: &str) -> mlua::Result<Value> {
     }
     let host = host::of(lua)?;
     let path = host.script_folder().join(format!("{}.lua", name.replace('.', "/")));
+    if path.exists() {
+        host.check_readable(name, &path)?;
+        host.note_input(&format!("{}.lua", name.replace('.', "/")), &path);
+    }
     let source = std::fs::read(&path).map_err(|e| Error::io(&path, e))?;
     let chunk = lua.load(source).set_name(format!("@{}", path.display()));
     chunk.set_mode(ChunkMode::Text).call(name)

@@ -18,12 +18,14 @@ use crate::material::Material;
 use crate::render::{self, Quality, Samples};
 use crate::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
 use crate::spectrum::Spectrum;
+use crate::sweep::{self, Digest};
 
 /// Handle of a scene; prepared at its first render and then kept.
 #[derive(Debug, Clone)]
 pub struct LuaScene {
     scene: Arc<Scene>,
     prepared: Arc<OnceLock<Arc<Prepared>>>,
+    fingerprint: Arc<OnceLock<Digest>>,
 }
 
 const KEYS: [&str; 6] = ["ambient", "background", "lights", "objects", "photometry", "shadows"];
@@ -68,7 +70,7 @@ fn scene(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
     scene.check()?;
     let host = host::of(lua)?;
     scene.warnings().into_iter().for_each(|warning| host.warn(warning));
-    Ok(LuaScene { scene: Arc::new(scene), prepared: Arc::default() })
+    Ok(LuaScene { scene: Arc::new(scene), prepared: Arc::default(), fingerprint: Arc::default() })
 }
 
 #[derive(Default)]
@@ -101,6 +103,15 @@ impl LuaScene {
         Ok(Arc::clone(self.prepared.get_or_init(|| prepared)))
     }
 
+    pub(super) fn flux_lm(&self) -> f64 {
+        self.scene.lights.iter().map(|light| light.rays.flux_lm).sum()
+    }
+
+    /// Of all that a picture depends on, but view and quality.
+    pub(super) fn fingerprint(&self) -> &Digest {
+        self.fingerprint.get_or_init(|| sweep::of_scene(&self.scene))
+    }
+
     fn render(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaImage> {
         let value = arguments.value();
         let view: LuaView = options::handle("scene:render", "argument 1", &value, "a view")?;
@@ -110,7 +121,7 @@ impl LuaScene {
         let progress = host.progress(view.0.pixels());
         let (mut image, stats) = render::render(&prepared, &view.0, &quality, &progress)?;
         image.metadata.insert("script".to_owned(), host.script.display().to_string());
-        Ok(LuaImage::new(image, stats, &prepared))
+        Ok(LuaImage::new(image, stats, view.0, &prepared))
     }
 }
 

@@ -62,7 +62,7 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaSpectrum> {
     let path = arguments.text("path")?;
     let options = arguments.options(&["column"])?;
     let column = options.count("column", 2, 1000)?.unwrap_or(2);
-    let path = host::of(lua)?.input(&path);
+    let path = host::of(lua)?.input(&path)?;
     Ok(new_handle(Spectrum::from_csv(&path, column as usize)?))
 }
 
