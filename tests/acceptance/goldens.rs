@@ -1,10 +1,8 @@
 //! The reference scenes, run as scripts, against spectra computed by brute force in f64.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use lampyris::output::read_exr;
-use lampyris::progress::Verbosity;
 use lampyris::script::{self, Settings};
 
 /// The 64-bit reference and ours differ by f32 light samples and f32 images.
@@ -30,12 +28,7 @@ fn goldens_agree_with_the_reference() {
 }
 
 fn run(script: &Path, out: PathBuf) {
-    let settings = Settings {
-        out,
-        verbosity: Verbosity::Quiet,
-        arguments: Vec::new(),
-        interrupted: Arc::default(),
-    };
+    let settings = Settings { out, ..Settings::default() };
     script::run(script, settings).expect("the case runs");
 }
 

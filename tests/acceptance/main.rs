@@ -3,4 +3,5 @@
 mod closed_cases;
 mod determinism;
 mod goldens;
+mod intensity;
 mod stage;
