@@ -38,9 +38,9 @@ lamp.defaults = {
   rib = 4, -- between two chambers
   hole = 12, -- radius, for the bulb
   chambers = {
-    { from = 0, to = 1 / 3, focal = 25, back = -8 },
+    { from = 0, to = 1 / 3, focal = 25, back = -14 },
     { from = 1 / 3, to = 2 / 3, focal = 25, back = 0 },
-    { from = 2 / 3, to = 1, focal = 25, back = -8 },
+    { from = 2 / 3, to = 1, focal = 25, back = -14 },
   },
   optics = { kind = "pillows", width = 14, height = 14, depth = 0.7, depth_up = 0.4 }, -- of chambers without own
 }
@@ -232,7 +232,7 @@ local base_shapes = {
   end,
   -- Focal lengths that differ across and up, and grow outward: wider light, no facets.
   free = function(chamber, dx, dy)
-    local spread = chamber.spread or { 0.12, 0.05 }
+    local spread = chamber.spread or { 0.04, 0.02 }
     local r2 = (dx * dx + dy * dy) / 3600
     return paraboloid(chamber.focal, dx * (1 - spread[1] * r2), dy * (1 - spread[2] * r2))
   end,
@@ -269,6 +269,13 @@ local function build_chamber(o, face, chamber)
   local function reflector(u, v)
     local x, y = place(u, v)
     return x, y, base(u, v) + bump(u, v)
+  end
+  local outer = outer_face_function(o.lens)
+  for corner = 0, 3 do
+    local x, y, z = reflector(corner % 2, corner // 2)
+    if z > outer(x, y) - o.lens.thickness - 2 then
+      error("lamp: a reflector's corner reaches the lens: lower \"back\" or raise \"lens.front\"", 0)
+    end
   end
   local edge = o.reflector_edge * o.coarseness
   local function around_hole(x, y)

@@ -20,15 +20,19 @@
 //! no kernel's result depends on fused multiply-add or on the number of lanes.
 
 pub mod color;
+pub mod columns;
 pub mod display;
 pub mod error;
+pub mod fit;
 pub mod geometry;
 pub mod image;
 pub mod info;
 pub mod light;
 pub mod material;
+pub mod memory;
 pub mod output;
 pub mod photometry;
+pub mod plausibility;
 pub mod progress;
 pub mod render;
 pub mod scene;

@@ -1,16 +1,25 @@
 //! What a person sees on a given monitor: the display model (eq. 5 to 8), exposure, tone, gamut.
 
+mod convolve;
 mod curve;
 mod exposure;
+mod fit;
 mod gamut;
+mod glare;
 mod icc;
 mod model;
 mod present;
+mod table;
 mod tone;
+mod verify;
 
 pub use curve::{Curve, Toe};
 pub use exposure::{AUTO_PERCENT, Exposure};
+pub use fit::{ChannelFit, DisplayFit, DisplayMeasurement, Light, RampPatch, fit_display};
 pub use gamut::{Gamut, GamutMap, GamutReport};
+pub use glare::{Glare, GlareReport, apply_glare};
 pub use model::{CHANNELS, Display, DisplayParameters};
 pub use present::{DisplayImage, Rendition, present};
+pub use table::{read_patches, read_ramps};
 pub use tone::{MIDDLE_GRAY, Tone};
+pub use verify::{Fault, Patch, PatchError, ROUGH_MEAN, TABLE_3, Verdict, Verification, verify};

@@ -4,7 +4,7 @@ pub mod bvh;
 pub mod mesh;
 pub mod obj;
 
-pub use bvh::{Bvh, Departure};
+pub use bvh::{Bvh, Departure, Simd};
 pub use glam::DVec3;
 pub use mesh::Mesh;
 

@@ -108,7 +108,7 @@ impl Coil {
     ///
     /// Steps by the distance to the wire, which no step can overshoot, from 0.1 wire radii on: a
     /// ray less than 0.6° above the surface may count as free though the wire bends into its way
-    /// (0.01 % of Lambert's emission).
+    /// (0.01 % of Lambert's emission; for coils of five wire radii and more).
     pub fn blocks(&self, from: SurfacePoint, direction: DVec3) -> bool {
         let wire = self.wire_radius_mm;
         let Some(walls) = Walls::along(self, from.position, direction) else { return false };
@@ -132,30 +132,48 @@ impl Coil {
 
     /// From a point near the coil's wall to the middle line of the wire, mm.
     fn distance_to_middle(&self, p: DVec3) -> f64 {
-        let azimuth = p.y.atan2(p.x);
-        let z = p.z + 0.5 * self.length_mm();
-        let turn_below = ((z / self.rise_mm() - azimuth) / TAU).floor();
-        let squared = [turn_below, turn_below + 1.0].map(|turn| {
-            let turning = self.nearest_turning(p, azimuth + TAU * turn);
-            p.distance_squared(self.middle(turning))
-        });
-        squared[0].min(squared[1]).sqrt()
+        let near = NearPoint {
+            radius_mm: p.truncate().length(),
+            azimuth: p.y.atan2(p.x),
+            z_mm: p.z + 0.5 * self.length_mm(),
+        };
+        let turn_below = ((near.z_mm / self.rise_mm() - near.azimuth) / TAU).floor();
+        let below = self.squared_distance_on_turn(&near, turn_below);
+        below.min(self.squared_distance_on_turn(&near, turn_below + 1.0)).sqrt()
     }
 
-    /// Newton's method for the nearest point of the helix, from a guess on the same turn.
-    fn nearest_turning(&self, p: DVec3, guess: f64) -> f64 {
+    /// To the point of the helix that Newton's method finds from beside the point on one turn, mm².
+    fn squared_distance_on_turn(&self, p: &NearPoint, turn: f64) -> f64 {
         let (radius, rise) = (self.coil_radius_mm, self.rise_mm());
-        let (across, z) = (p.truncate().length() * radius, p.z + 0.5 * self.length_mm());
+        let across = p.radius_mm * radius;
+        let beside = p.azimuth + TAU * turn;
         let mut delta = 0.0f64;
-        for _ in 0..3 {
+        for _ in 0..4 {
             let (sin, cos) = delta.sin_cos();
             // first and second derivative of half the squared distance
-            let slope = across * sin - rise * (z - rise * (guess + delta));
+            let slope = across * sin - rise * (p.z_mm - rise * (beside + delta));
             let bend = (across * cos + rise * rise).max(0.1 * (across + rise * rise));
-            delta -= (slope / bend).clamp(-1.0, 1.0);
+            let step = slope / bend;
+            delta -= step.clamp(-1.0, 1.0);
+            // Newton squares the error, and the distance squares it once more.
+            if step.abs() < 1e-4 {
+                break;
+            }
         }
-        (guess + delta).clamp(0.0, TAU * self.turns)
+        let turning = (beside + delta).clamp(0.0, TAU * self.turns);
+        // The chord's half angle, free of the cancellation of 1 − cos.
+        let half_sin = (0.5 * (turning - beside)).sin();
+        (p.radius_mm - radius).powi(2)
+            + 4.0 * across * half_sin * half_sin
+            + (p.z_mm - rise * turning).powi(2)
     }
+}
+
+/// A point in cylinder coordinates, z from the wire's lower end.
+struct NearPoint {
+    radius_mm: f64,
+    azimuth: f64,
+    z_mm: f64,
 }
 
 /// Solves ψ − e sin ψ = 2π v for ψ (Kepler's equation): so grows the area of a bent tube with the

@@ -52,7 +52,7 @@ impl Filament {
         let sequence = EvenSequence::new(self.seed);
         let mut samples = Vec::with_capacity(self.samples);
         let mut blocks = 0u32..;
-        // At least the outer third of a coil's surface sees the open, so this ends.
+        // The outermost parts of the wire always see the open, so this ends.
         while samples.len() < self.samples {
             let missing = self.samples - samples.len();
             let round: Vec<u32> = blocks.by_ref().take(missing.div_ceil(BLOCK).min(1024)).collect();

@@ -86,6 +86,8 @@ const ROUNDING: f64 = 1e-6;
 /// Points farther than this many median distances are left out of the second fit.
 const OUTLIER: f64 = 6.0;
 
+type Fit = fn(&[DVec3]) -> Option<FittedSurface>;
+
 /// The simplest surface that the points lie on: a point, a plane, a sphere or a cylinder, up to a
 /// few stray points. `None` for fewer than 10 points or a shape that is none of these.
 pub fn fit_surface(points: &[DVec3]) -> Option<SurfaceFit> {
@@ -93,9 +95,8 @@ pub fn fit_surface(points: &[DVec3]) -> Option<SurfaceFit> {
         return None;
     }
     let extent = extent_mm(points);
-    let fits: [fn(&[DVec3]) -> Option<FittedSurface>; 4] =
-        [fit_point, fit_plane, fit_sphere, fit_cylinder];
-    fits.iter().find_map(|fit| robust_fit(points, *fit, extent))
+    let fits: [Fit; 4] = [fit_point, fit_plane, fit_sphere, fit_cylinder];
+    fits.into_iter().find_map(|fit| robust_fit(points, fit, extent))
 }
 
 fn extent_mm(points: &[DVec3]) -> f64 {
@@ -105,11 +106,7 @@ fn extent_mm(points: &[DVec3]) -> f64 {
 }
 
 /// Fits, drops what lies far out, and fits again.
-fn robust_fit(
-    points: &[DVec3],
-    fit: fn(&[DVec3]) -> Option<FittedSurface>,
-    extent_mm: f64,
-) -> Option<SurfaceFit> {
+fn robust_fit(points: &[DVec3], fit: Fit, extent_mm: f64) -> Option<SurfaceFit> {
     let first = fit(points)?;
     let mut distances: Vec<f64> = points.iter().map(|&p| first.distance_mm(p)).collect();
     distances.sort_by(f64::total_cmp);
@@ -246,15 +243,15 @@ fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> Option<[f64; 
         let pivot = (k..N).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()))?;
         a.swap(k, pivot);
         b.swap(k, pivot);
-        if !(a[k][k].abs() > 1e-13 * largest) {
+        // NaN is singular too.
+        if a[k][k].is_nan() || a[k][k].abs() <= 1e-13 * largest {
             return None;
         }
-        for i in k + 1..N {
-            let factor = a[i][k] / a[k][k];
-            for j in k..N {
-                a[i][j] -= factor * a[k][j];
-            }
-            b[i] -= factor * b[k];
+        let (above, below) = a.split_at_mut(k + 1);
+        for (row, b_row) in below.iter_mut().zip(k + 1..) {
+            let factor = row[k] / above[k][k];
+            row.iter_mut().zip(&above[k]).for_each(|(cell, pivot)| *cell -= factor * pivot);
+            b[b_row] -= factor * b[k];
         }
     }
     for k in (0..N).rev() {

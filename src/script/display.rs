@@ -1,26 +1,38 @@
 //! `lampyris.display`.
 
+use std::io::Write;
 use std::sync::Arc;
 
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
-use super::fault;
 use super::options::{self, Arguments, Options, Range};
+use super::{display_fit, fault, host};
 use crate::color::Xyz;
 use crate::display::{Curve, Display, DisplayParameters};
 use crate::error::Error;
+use crate::output;
 
 /// Handle of a display.
 #[derive(Debug, Clone)]
 pub struct LuaDisplay(pub Arc<Display>);
 
-const NAMES: [&str; 6] = ["bits", "digital", "gain", "gamma", "offset", "xyz"];
+const NAMES: [&str; 8] = ["bits", "digital", "gain", "gamma", "offset", "save", "verify", "xyz"];
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     let table = lua.create_table()?;
     table.set("eizo_t766", LuaDisplay(Arc::new(Display::eizo_t766())))?;
     table.set("srgb", LuaDisplay(Arc::new(Display::srgb())))?;
     table.set("new", fault::function(lua, |_, a| new(Arguments::new("display.new", a, 1)?))?)?;
+    table.set(
+        "fit",
+        fault::function(lua, |lua, a| display_fit::fit(lua, Arguments::new("display.fit", a, 1)?))?,
+    )?;
+    table.set(
+        "ramps",
+        fault::function(lua, |lua, a| {
+            display_fit::ramps(lua, Arguments::new("display.ramps", a, 2)?)
+        })?,
+    )?;
     fault::refuse_unknown_names(lua, &table, "lampyris.display")?;
     module.set("display", table)
 }
@@ -105,6 +117,20 @@ impl UserData for LuaDisplay {
                 Error::inconsistent("display:digital", "the color is too large to be shown")
             })?;
             Ok((r, g, b))
+        });
+        fault::method(methods, "verify", |lua, this: &Self, a| {
+            display_fit::verify(lua, &this.0, Arguments::new("display:verify", a, 1)?)
+        });
+        fault::method(methods, "save", |lua, this: &Self, a| {
+            let path = Arguments::new("display:save", a, 1)?.text("path")?;
+            let target = host::of(lua)?.output(&path)?;
+            if target.extension().is_none_or(|extension| extension != "icc") {
+                let found = format!("\"{path}\"");
+                let allowed = "names ending in .icc";
+                return Err(Error::out_of_range("display:save", "path", found, allowed).into());
+            }
+            let profile = this.0.icc_profile()?;
+            Ok(output::write_atomically(&target, |file| file.write_all(&profile))?)
         });
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
             let white = this.0.white();

@@ -11,9 +11,12 @@ use super::options::{self, Arguments, Options, Range};
 use super::spectrum::LuaSpectrum;
 use super::view::MAX_SIDE;
 use super::{fault, host};
-use crate::display::{self, Display, DisplayImage, Exposure, Gamut, GamutReport, Rendition, Tone};
+use crate::display::{
+    self, Display, DisplayImage, Exposure, Gamut, GamutReport, Glare, GlareReport, Rendition, Tone,
+};
 use crate::error::Error;
 use crate::image::{Region, SpectralImage};
+use crate::memory;
 use crate::output;
 use crate::photometry;
 use crate::render::RenderStats;
@@ -57,6 +60,11 @@ impl LuaImage {
         prepared: &Prepared,
     ) -> Self {
         Self(Arc::new(Rendered { image, stats, view, build: prepared.seconds }))
+    }
+
+    /// Y of every pixel.
+    pub(super) fn luminances(&self) -> Vec<f64> {
+        self.0.image.to_xyz().pixels.iter().map(|color| color.y).collect()
     }
 
     /// `{x =, y =, width = 1, height = 1}`, or the whole image for nil.
@@ -122,7 +130,7 @@ impl UserData for LuaImage {
     }
 }
 
-pub(super) const PNG_KEYS: [&str; 4] = ["display", "exposure", "gamut", "tone"];
+pub(super) const PNG_KEYS: [&str; 5] = ["display", "exposure", "gamut", "glare", "tone"];
 
 /// The kind of file follows from the path's ending.
 fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Result<Table> {
@@ -136,8 +144,9 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
             lua.create_table()
         }
         Some("png") => {
-            let shown = save_png(&target, &rendered.image, &arguments.options(&PNG_KEYS)?)?;
-            warn_of_gamut(&host, &path, &shown.gamut);
+            let options = arguments.options(&PNG_KEYS)?;
+            let shown = save_png(&target, &rendered.image, &rendered.view, &options)?;
+            warn_of_gamut(&host, &path, &shown.image.gamut);
             png_stats(lua, &shown)
         }
         _ => {
@@ -167,11 +176,18 @@ pub(super) fn warn_of_gamut(host: &Host, path: &str, gamut: &GamutReport) {
     }
 }
 
+/// A PNG that was written, and what was done to its light.
+pub(super) struct Shown {
+    pub image: DisplayImage,
+    pub glare: Option<GlareReport>,
+}
+
 pub(super) fn save_png(
     target: &Path,
     image: &SpectralImage,
+    view: &View,
     options: &Options,
-) -> mlua::Result<DisplayImage> {
+) -> mlua::Result<Shown> {
     let display = options.handle::<LuaDisplay>("display", "a display")?;
     let display = display.map_or_else(Display::srgb, |d| Arc::unwrap_or_clone(d.0));
     let curve = options.value("tone")?;
@@ -189,11 +205,35 @@ pub(super) fn save_png(
     let gamuts = [("clip", Gamut::Clip), ("desaturate", Gamut::Desaturate)];
     let gamut = options.choice("gamut", &gamuts)?.unwrap_or_default();
     let rendition = Rendition { exposure: exposure(options)?, tone, gamut };
-    let shown = display::present(&image.to_xyz(), &display, &rendition)?;
+    let (seen, glare) = match glare(options)? {
+        None => (image.to_xyz(), None),
+        Some(glare) => {
+            let (seen, report) = display::apply_glare(&image.to_xyz(), view.fov_deg, &glare)?;
+            (seen, Some(report))
+        }
+    };
+    let shown = display::present(&seen, &display, &rendition)?;
     let mut raster = output::display_raster(&shown, &display)?;
     raster.metadata = image.metadata.clone();
     output::write_png(target, &raster)?;
-    Ok(shown)
+    Ok(Shown { image: shown, glare })
+}
+
+/// `{age =, pigment =, strength =}`, or `true` for the default eye.
+fn glare(options: &Options) -> mlua::Result<Option<Glare>> {
+    let value = match options.value("glare")? {
+        Value::Nil | Value::Boolean(false) => return Ok(None),
+        Value::Boolean(true) => return Ok(Some(Glare::default())),
+        value => value,
+    };
+    let object = format!("{}: glare", options.object());
+    let eye = Options::new(&object, value, &["age", "pigment", "strength"])?;
+    let default = Glare::default();
+    Ok(Some(Glare {
+        age: eye.number_or("age", Range::new(0.0, 120.0, "years"), default.age)?,
+        pigment: eye.number_or("pigment", Range::new(0.0, 1.2, ""), default.pigment)?,
+        strength: eye.number_or("strength", Range::RATIO, default.strength)?,
+    }))
 }
 
 /// A script's tone curve, from and to luminance relative to display white.
@@ -230,8 +270,10 @@ fn exposure(options: &Options) -> mlua::Result<Exposure> {
     }
 }
 
-fn png_stats(lua: &Lua, shown: &DisplayImage) -> mlua::Result<Table> {
+fn png_stats(lua: &Lua, shown: &Shown) -> mlua::Result<Table> {
     let table = lua.create_table()?;
+    table.set("glare_lost", shown.glare.map(|glare| glare.lost_share))?;
+    let shown = &shown.image;
     table.set("exposure", shown.exposure_factor)?;
     table.set("outside_gamut", shown.gamut.outside())?;
     table.set("too_dark", shown.gamut.too_dark)?;
@@ -246,17 +288,24 @@ fn stats(lua: &Lua, rendered: &Rendered) -> mlua::Result<Table> {
     let Rendered { stats, build, .. } = rendered;
     let counts = &stats.counts;
     let table = lua.create_table()?;
-    table.set("camera_rays", counts.camera_rays)?;
-    table.set("mirror_rays", counts.mirror_rays)?;
-    table.set("transmitted_rays", counts.transmitted_rays)?;
-    table.set("shadow_rays", counts.shadow_rays)?;
-    table.set("light_sums", counts.light_sums)?;
-    table.set("light_nodes", counts.light_nodes)?;
-    table.set("light_samples", counts.light_samples)?;
-    table.set("light_error", stats.light_error)?;
-    table.set("largest_light_error", stats.largest_light_error)?;
-    table.set("seconds", stats.seconds)?;
-    table.set("bvh_seconds", build.bvh)?;
-    table.set("light_tree_seconds", build.light_trees)?;
+    let per_sum = |count: u64| count as f64 / counts.light_sums.max(1) as f64;
+    let numbers = [
+        ("camera_rays", counts.camera_rays as f64),
+        ("mirror_rays", counts.mirror_rays as f64),
+        ("transmitted_rays", counts.transmitted_rays as f64),
+        ("shadow_rays", counts.shadow_rays as f64),
+        ("light_sums", counts.light_sums as f64),
+        ("nodes_per_sum", per_sum(counts.light_nodes)),
+        ("samples_per_sum", per_sum(counts.light_samples)),
+        ("light_error", stats.light_error),
+        ("largest_light_error", stats.largest_light_error),
+        ("seconds", stats.seconds),
+        ("bvh_seconds", build.bvh),
+        ("light_tree_seconds", build.light_trees),
+    ];
+    for (name, value) in numbers {
+        table.set(name, value)?;
+    }
+    table.set("peak_memory_mb", memory::peak_mb())?;
     Ok(table)
 }

@@ -5,15 +5,16 @@ use std::sync::Arc;
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
 use super::host::Host;
+use super::image::LuaImage;
 use super::mesh::placement;
 use super::options::{self, Arguments, Options, Range};
 use super::spectrum::LuaSpectrum;
 use super::{fault, host};
 use crate::error::Error;
 use crate::geometry::DVec3;
-use crate::light::rayfile::{self, LightOptions};
+use crate::light::rayfile::{self, LightOptions, SaveFormat};
 use crate::light::start_surface::StartSurface;
-use crate::light::{RaySample, RaySet, thinning};
+use crate::light::{RaySample, RaySet, noise, thinning};
 use crate::spectrum::Spectrum;
 
 /// Handle of a light source: its samples and its spectrum.
@@ -23,7 +24,7 @@ pub struct LuaLight {
     pub spectrum: Arc<Spectrum>,
 }
 
-const NAMES: [&str; 4] = ["count", "flux", "spectrum", "transform"];
+const NAMES: [&str; 7] = ["count", "flux", "halves", "noise", "save", "spectrum", "transform"];
 
 pub(super) const FLUX: Range = Range::above_zero("lm");
 pub(super) const MAX_SAMPLES: u64 = 100_000_000;
@@ -173,6 +174,37 @@ pub(super) fn required_spectrum(options: &Options) -> mlua::Result<Spectrum> {
     })
 }
 
+impl LuaLight {
+    fn halves(&self, seed: u64) -> [Self; 2] {
+        self.rays.halves(seed).map(|rays| Self { rays, ..self.clone() })
+    }
+}
+
+/// The relative error that a picture has from the number of rays alone: that of its luminance, from
+/// pictures with disjoint halves of the set, which the script's `image` function takes.
+fn noise(host: &Host, light: &LuaLight, options: &Options) -> mlua::Result<f64> {
+    const EXPECTED: &str = "a function that renders an image with the ray set that it is given";
+    let object = options.object();
+    if light.rays.samples.len() < 2 {
+        return Err(Error::inconsistent(object, "a set of one ray has no halves").into());
+    }
+    let take = options.required_function("image", EXPECTED)?;
+    let splits = options.count("splits", 1, 1000)?.unwrap_or(1);
+    let first_seed = seed(host, options)?;
+    let mut pairs: Vec<[f64; 2]> = Vec::new();
+    for split in 0..splits {
+        let pictures = light.halves(first_seed + split).map(|half| {
+            let image: LuaImage =
+                options::handle(object, "\"image\"'s result", &take.call(half)?, "an image")?;
+            Ok::<_, mlua::Error>(image.luminances())
+        });
+        let [a, b] = pictures;
+        pairs.extend(a?.into_iter().zip(b?).map(|(a, b)| [a, b]));
+    }
+    let error = noise::relative_error(pairs);
+    error.ok_or_else(|| Error::inconsistent(object, "the pictures are black").into())
+}
+
 impl UserData for LuaLight {
     fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
         fields.add_field_method_get("count", |_, this| Ok(this.rays.samples.len()));
@@ -185,6 +217,24 @@ impl UserData for LuaLight {
     fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
         fault::method(methods, "transform", |_, this: &Self, a| {
             placed(this.clone(), Arguments::new("rayset:transform", a, 1)?.value())
+        });
+        fault::method(methods, "save", |lua, this: &Self, a| {
+            let path = Arguments::new("rayset:save", a, 1)?.text("path")?;
+            let target = host::of(lua)?.output(&path)?;
+            let format = SaveFormat::of(&target)?;
+            Ok(rayfile::save(&target, &this.rays, &this.spectrum, format)?)
+        });
+        fault::method(methods, "halves", |lua, this: &Self, a| {
+            let options = Arguments::new("rayset:halves", a, 1)?.options(&["seed"])?;
+            let [first, second] = this.halves(seed(&host::of(lua)?, &options)?);
+            Ok((first, second))
+        });
+        fault::method(methods, "noise", |lua, this: &Self, a| {
+            noise(
+                &host::of(lua)?,
+                this,
+                &Arguments::new("rayset:noise", a, 1)?.options(&["image", "seed", "splits"])?,
+            )
         });
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
             let (count, flux_lm) = (this.rays.samples.len(), this.rays.flux_lm);

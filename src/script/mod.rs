@@ -11,9 +11,11 @@ mod sandbox;
 mod starter;
 
 mod display;
+mod display_fit;
 mod emitter;
 mod image;
 mod light;
+mod lobe_fit;
 mod material;
 mod mesh;
 mod photometry;
@@ -70,6 +72,7 @@ fn module(lua: &Lua) -> mlua::Result<Table> {
     display::register(lua, &module)?;
     sweep::register(lua, &module)?;
     photometry::register(lua, &module)?;
+    lobe_fit::register(lua, &module)?;
     fault::refuse_unknown_names(lua, &module, "lampyris")?;
     Ok(module)
 }

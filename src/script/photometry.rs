@@ -47,7 +47,7 @@ fn grid(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaGrid> {
     let h_deg = angles(&options, "h", Range::new(-360.0, 360.0, "degrees"), &H_DEG)?;
     let v_deg = angles(&options, "v", Range::new(-90.0, 90.0, "degrees"), &V_DEG)?;
     let model = view(&options)?;
-    let prepared = scene.prepared()?;
+    let prepared = scene.prepared(&host)?;
     let progress = host.progress(model.pixels() * h_deg.len() * v_deg.len());
     let measure = |direction: Direction| -> crate::Result<_> {
         let Direction { h_deg, v_deg } = direction;

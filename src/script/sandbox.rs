@@ -44,20 +44,26 @@ pub(super) fn new_state() -> mlua::Result<Lua> {
 /// `pcall` and `xpcall` that give scripts a plain message, and let Ctrl-C through.
 fn replace_pcall(lua: &Lua) -> mlua::Result<()> {
     const WRAPPERS: &str = r#"
-        local raw_pcall, raw_xpcall, caught = ...
+        local raw_pcall, raw_xpcall, caught, plain = ...
         local function checked(ok, ...)
             if ok then return true, ... end
             return false, caught((...))
         end
+        local function finished(ok, ...)
+            if not ok then caught(nil) end
+            return ok, ...
+        end
         local function pcall(f, ...) return checked(raw_pcall(f, ...)) end
         local function xpcall(f, handler, ...)
-            return raw_xpcall(f, function(e) return handler(caught(e)) end, ...)
+            -- An error of the handler's would be swallowed, so that Ctrl-C is looked for after it.
+            return finished(raw_xpcall(f, function(e) return handler(plain(e)) end, ...))
         end
         return pcall, xpcall
     "#;
     let globals = lua.globals();
     let caught = lua.create_function(fault::caught)?;
-    let raw = (globals.get::<Value>("pcall")?, globals.get::<Value>("xpcall")?, caught);
+    let plain = lua.create_function(fault::plain)?;
+    let raw = (globals.get::<Value>("pcall")?, globals.get::<Value>("xpcall")?, caught, plain);
     let (pcall, xpcall): (Value, Value) = lua.load(WRAPPERS).set_name("=__pcall").call(raw)?;
     globals.set("pcall", pcall)?;
     globals.set("xpcall", xpcall)

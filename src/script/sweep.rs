@@ -11,7 +11,7 @@ use super::display::LuaDisplay;
 use super::host::{self, Host};
 use super::image::{PNG_KEYS, save_png};
 use super::options::{self, Arguments, Options};
-use super::scene::{LuaScene, QUALITY_KEYS, quality};
+use super::scene::{LuaScene, QUALITY_KEYS, quality, warn_of_view};
 use super::view::LuaView;
 use super::views::Views;
 use super::{fault, image};
@@ -191,7 +191,8 @@ impl Plan {
         key: Digest,
         progress: &Progress,
     ) -> mlua::Result<Entry> {
-        let prepared = item.scene.prepared()?;
+        let prepared = item.scene.prepared(&self.host)?;
+        warn_of_view(&self.host, &prepared, &item.view);
         let (mut image, stats) = render::render(&prepared, &item.view, &self.quality, progress)?;
         image.metadata.insert("script".to_owned(), self.script_name());
         let name = &item.name;
@@ -199,7 +200,7 @@ impl Plan {
         output::write_exr(&folder.join(&exr), &image)?;
         let png = format!("{name}.png");
         let png_options = Options::new("sweep: png", self.png.clone(), &PNG_KEYS)?;
-        let shown = save_png(&folder.join(&png), &image, &png_options)?;
+        let shown = save_png(&folder.join(&png), &image, &item.view, &png_options)?.image;
         image::warn_of_gamut(&self.host, &png, &shown.gamut);
         let xyz = image.to_xyz();
         let scale = LuminanceScale::of(&xyz);

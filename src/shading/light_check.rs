@@ -5,7 +5,9 @@ use rayon::prelude::*;
 use super::{Arrival, Branch, SurfacePoint, TraceState, Tracer};
 use crate::geometry::Ray;
 
-/// Relative errors of the light sums at some hits.
+/// Errors of the light sums at some hits, relative to the exact sum.
+///
+/// Sums below [`DARK`] of the largest one are taken for that much: what is so dark is rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightCheck {
     /// Sums compared: one a side of a hit and a light that shine.
@@ -17,20 +19,15 @@ pub struct LightCheck {
     pub largest_of_estimate: f64,
 }
 
+/// Share of the brightest that no picture shows.
+const DARK: f64 = 1e-9;
+
 /// A sum within `light_error`, and the exact one.
 #[derive(Debug, Clone, Copy)]
 struct Compared {
-    relative: f64,
-    of_estimate: f64,
-}
-
-impl Compared {
-    /// `None` where no light arrives.
-    fn new(sum: f64, estimate: f64, exact: f64) -> Option<Self> {
-        let error = (sum - exact).abs();
-        let of_estimate = if error > 0.0 { error / estimate } else { 0.0 };
-        (exact > 0.0).then(|| Self { relative: error / exact, of_estimate })
-    }
+    exact: f64,
+    error: f64,
+    estimate: f64,
 }
 
 impl Tracer<'_> {
@@ -63,26 +60,34 @@ impl Tracer<'_> {
         }
     }
 
-    fn compare(&self, surface: &SurfacePoint) -> impl Iterator<Item = Compared> {
-        let of_light = |light: usize| {
+    fn compare<'a>(&'a self, surface: &'a SurfacePoint) -> impl Iterator<Item = Compared> + 'a {
+        let of_light = move |light: usize| {
             let (sum, _) = self.light_sum(light, surface, self.limits.light_error);
             let (exact, _) = self.light_sum(light, surface, 0.0);
             [
-                Compared::new(sum.reflected, sum.reflected_error, exact.reflected),
-                Compared::new(sum.transmitted, sum.transmitted_error, exact.transmitted),
+                Compared {
+                    exact: exact.reflected,
+                    error: (sum.reflected - exact.reflected).abs(),
+                    estimate: sum.reflected_error,
+                },
+                Compared {
+                    exact: exact.transmitted,
+                    error: (sum.transmitted - exact.transmitted).abs(),
+                    estimate: sum.transmitted_error,
+                },
             ]
         };
-        (0..self.prepared.light_trees.len())
-            .flat_map(of_light)
-            .flatten()
-            .collect::<Vec<_>>()
-            .into_iter()
+        (0..self.prepared.light_trees.len()).flat_map(of_light)
     }
 }
 
 impl LightCheck {
     fn from_compared(compared: &[Compared]) -> Option<Self> {
-        let mut errors: Vec<f64> = compared.iter().map(|c| c.relative).collect();
+        let brightest = compared.iter().map(|c| c.exact).fold(0.0, f64::max);
+        let lit = || compared.iter().filter(|c| c.exact > 0.0);
+        let mut errors: Vec<f64> = lit().map(|c| c.error / c.exact.max(DARK * brightest)).collect();
+        // Exact sums in another order differ by rounding, which no estimate covers.
+        let of_estimate = lit().filter(|c| c.estimate > 0.0).map(|c| c.error / c.estimate);
         errors.sort_by(f64::total_cmp);
         let rank = |share: f64| errors.get(((errors.len() as f64 - 1.0) * share).round() as usize);
         Some(Self {
@@ -90,7 +95,7 @@ impl LightCheck {
             median: *rank(0.5)?,
             percentile_95: *rank(0.95)?,
             largest: *errors.last()?,
-            largest_of_estimate: compared.iter().map(|c| c.of_estimate).fold(0.0, f64::max),
+            largest_of_estimate: of_estimate.fold(0.0, f64::max),
         })
     }
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::cie;
 use crate::color::Xyz;
+use crate::columns::{self, Columns};
 use crate::error::{Error, Place, Result};
 use crate::spectrum::WavelengthGrid;
 
@@ -46,23 +47,7 @@ impl Spectrum {
     ///
     /// Errors: [`Error::Io`], and [`Error::BadFile`] with the line.
     pub fn from_csv(path: &Path, column: usize) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
-        let mut rows = Vec::new();
-        let mut lines = Vec::new();
-        for (number, line) in (1..).zip(text.lines()) {
-            let line = line.split('#').next().unwrap_or_default().trim();
-            if line.is_empty() {
-                continue;
-            }
-            match parse_row(line, column) {
-                Ok(row) => {
-                    rows.push(row);
-                    lines.push(number);
-                }
-                Err(_) if rows.is_empty() && is_header(line) => {}
-                Err(problem) => return Err(Error::bad_file(path, Place::Line(number), problem)),
-            }
-        }
+        let Columns { rows, lines } = columns::read(path, column)?;
         let (lambda_nm, values): (Vec<f64>, Vec<f64>) = rows.into_iter().unzip();
         match fault_in_table(&lambda_nm, &values) {
             None => Ok(Self { lambda_nm, values }),
@@ -164,22 +149,6 @@ fn union_with_bands(a: &[f64], b: &[f64]) -> Vec<f64> {
     all.sort_by(f64::total_cmp);
     all.dedup();
     all
-}
-
-fn parse_row(line: &str, column: usize) -> std::result::Result<(f64, f64), String> {
-    let cells: Vec<&str> = line.split([',', ';', '\t']).map(str::trim).collect();
-    let number = |column: usize| -> std::result::Result<f64, String> {
-        let cell = cells.get(column - 1).copied();
-        let cell = cell.ok_or_else(|| {
-            format!("no column {column}, the row has {} (\"{line}\")", cells.len())
-        })?;
-        cell.parse().map_err(|_| format!("column {column} is \"{cell}\", expected a number"))
-    };
-    Ok((number(1)?, number(column)?))
-}
-
-fn is_header(line: &str) -> bool {
-    line.split([',', ';', '\t']).next().is_some_and(|cell| cell.trim().parse::<f64>().is_err())
 }
 
 /// The first row (0-based) that breaks the table's promises, and why.

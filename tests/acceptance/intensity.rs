@@ -41,10 +41,8 @@ fn lambert_disc() {
     let n = f64::from(corners);
     let area_m2 = 0.5 * n * (radius_mm * 1e-3).powi(2) * (2.0 * PI / n).sin();
     let axial_cd = illuminance_lx * k_d / PI * area_m2;
-    let quality = lampyris::render::Quality {
-        samples: lampyris::render::Samples::Fixed(16),
-        ..exact(0)
-    };
+    let quality =
+        lampyris::render::Quality { samples: lampyris::render::Samples::Fixed(16), ..exact(0) };
     for azimuth_deg in [0.0f64, 30.0, 60.0, -75.0] {
         // 3 m away, the disc fills two thirds of the image's height at 0°.
         let view =
@@ -82,5 +80,7 @@ fn relative_images_have_no_intensity() {
     let light = point_light(DVec3::Z, DVec3::NEG_Z, FLUX_LM);
     let view = pixel_view(0.0, 100.0);
     let image = shoot(scene(vec![(square(0.0, 5.0), material())], vec![light]), &view, &exact(0));
-    assert!(intensity(&image, &view).unwrap_err().to_string().contains("photometry = \"absolute\""));
+    assert!(
+        intensity(&image, &view).unwrap_err().to_string().contains("photometry = \"absolute\"")
+    );
 }

@@ -4,4 +4,5 @@ mod closed_cases;
 mod determinism;
 mod goldens;
 mod intensity;
+mod lens_colors;
 mod stage;

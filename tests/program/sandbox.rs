@@ -10,16 +10,38 @@ use crate::bench::{Bench, text};
 fn nothing_that_reaches_the_system_is_there() {
     let bench = Bench::new();
     let gone = [
-        "os.execute", "os.exit", "os.getenv", "os.remove", "os.rename", "os.setlocale",
-        "os.tmpname", "io.open", "io.popen", "io.lines", "io.read", "io.input", "io.output",
-        "io.tmpfile", "io.stdout", "io.stderr", "io.stdin", "debug", "dofile", "loadfile", "package",
-        "string.dump", "collectgarbage and nil", "require('lampyris').os",
+        "os.execute",
+        "os.exit",
+        "os.getenv",
+        "os.remove",
+        "os.rename",
+        "os.setlocale",
+        "os.tmpname",
+        "io.open",
+        "io.popen",
+        "io.lines",
+        "io.read",
+        "io.input",
+        "io.output",
+        "io.tmpfile",
+        "io.stdout",
+        "io.stderr",
+        "io.stdin",
+        "debug",
+        "dofile",
+        "loadfile",
+        "package",
+        "string.dump",
+        "collectgarbage and nil",
+        "require('lampyris').os",
     ];
     let checks: String = gone
         .iter()
         .map(|name| {
-            format!("do local ok, v = pcall(function() return {name} end)\n\
-                     assert(not ok or v == nil, [[{name}]]) end\n")
+            format!(
+                "do local ok, v = pcall(function() return {name} end)\n\
+                     assert(not ok or v == nil, [[{name}]]) end\n"
+            )
         })
         .collect();
     bench.write("script.lua", &checks);

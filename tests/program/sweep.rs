@@ -11,7 +11,7 @@ use lampyris::sweep::Manifest;
 
 use crate::bench::{Bench, text};
 
-/// Twelve views of a lit mirror, some ten milliseconds each.
+/// Eight views of a lit mirror, some ten milliseconds each.
 const SCRIPT: &str = r#"
 local lampyris = require "lampyris"
 local mirror = lampyris.mesh.surface {
@@ -34,7 +34,7 @@ local scene = lampyris.scene {
   } },
 }
 local views = {}
-for k = 1, 12 do
+for k = 1, 8 do
   views[k] = lampyris.view { azimuth = 3 * k, distance = 800, fov = 7, width = 64, height = 48 }
 end
 local done = lampyris.sweep {
@@ -63,7 +63,7 @@ fn finish(bench: &Bench) -> (usize, usize) {
 
 fn unbroken() -> BTreeMap<String, Vec<u8>> {
     let bench = bench();
-    assert_eq!(finish(&bench), (12, 0));
+    assert_eq!(finish(&bench), (8, 0));
     bench.files("out/s")
 }
 
@@ -115,7 +115,7 @@ fn killed_sweeps_go_on_to_the_same_bytes() {
     let expected = unbroken();
     let bench = bench();
     let mut rendered_before = 0;
-    for (count, delay_ms) in [(2, 0), (5, 3), (8, 7)] {
+    for (count, delay_ms) in [(1, 0), (3, 3), (5, 7)] {
         let mut child = bench.command(&RUN).stdout(Stdio::null()).spawn().expect("a start");
         wait_for_views(&bench, &mut child, count);
         sleep(Duration::from_millis(delay_ms));
@@ -126,9 +126,9 @@ fn killed_sweeps_go_on_to_the_same_bytes() {
         rendered_before = views;
     }
     let (rendered, kept) = finish(&bench);
-    assert_eq!((rendered + kept, kept), (12, rendered_before));
+    assert_eq!((rendered + kept, kept), (8, rendered_before));
     assert_same(&bench.files("out/s"), &expected);
-    assert_eq!(finish(&bench), (0, 12), "nothing is left to do");
+    assert_eq!(finish(&bench), (0, 8), "nothing is left to do");
     assert_same(&bench.files("out/s"), &expected);
 }
 
@@ -169,7 +169,7 @@ fn a_full_disk_leaves_whole_files_only() {
     assert!(message.contains("view_0001.exr: File too large"), "{message}");
     assert_eq!(assert_whole(&bench), 0);
     assert!(bench.files("out/s").is_empty(), "{:?}", bench.files("out/s").keys());
-    assert_eq!(finish(&bench), (12, 0));
+    assert_eq!(finish(&bench), (8, 0));
     assert_same(&bench.files("out/s"), &expected);
 }
 
@@ -181,17 +181,17 @@ fn what_no_longer_matches_is_rendered_again() {
     // A file that was changed, and one that was lost.
     fs::write(bench.path("out/s/view_0003.png"), "not what it was").expect("a written file");
     fs::remove_file(bench.path("out/s/view_0007.exr")).expect("a removed file");
-    assert_eq!(finish(&bench), (2, 10));
+    assert_eq!(finish(&bench), (2, 6));
     assert_same(&bench.files("out/s"), &expected);
-    // One more region: all views are read anew. One view less: its files go.
-    bench.write("sweep.lua", &SCRIPT.replace("k = 1, 12", "k = 1, 11"));
-    assert_eq!(finish(&bench), (0, 11));
-    assert!(!bench.files("out/s").contains_key("view_0012.exr"));
+    // One view less: its files go.
+    bench.write("sweep.lua", &SCRIPT.replace("k = 1, 8", "k = 1, 7"));
+    assert_eq!(finish(&bench), (0, 7));
+    assert!(!bench.files("out/s").contains_key("view_0008.exr"));
     bench.write("aluminium.csv", "380,0.9\n780,0.84\n");
-    assert_eq!(finish(&bench), (11, 0), "the input has changed");
+    assert_eq!(finish(&bench), (7, 0), "the input has changed");
     bench.write("aluminium.csv", "380,0.9\n780,0.85\n");
     bench.write("sweep.lua", SCRIPT);
-    assert_eq!(finish(&bench), (12, 0));
+    assert_eq!(finish(&bench), (8, 0));
     assert_same(&bench.files("out/s"), &expected);
 }
 
@@ -205,7 +205,7 @@ fn shards_merge_to_the_bytes_of_one_run() {
     assert_eq!(bench.fail(&["merge", "out/s"]), "merge: missing or unfinished shards: 3/5\n");
     bench.succeed(&["run", "sweep.lua", "--quiet", "--shard=3/5", "--out=elsewhere"]);
     let merged = bench.succeed(&["merge", "out/s", "elsewhere/s", "--into", "whole"]);
-    assert_eq!(merged, "whole: 5 shards, 12 views\n");
+    assert_eq!(merged, "whole: 5 shards, 8 views\n");
     assert_same(&bench.files("whole"), &expected);
     bench.succeed(&["merge", "out/s", "elsewhere/s"]);
     assert_same(&bench.files("out/s"), &expected);
@@ -218,7 +218,10 @@ fn shards_of_different_inputs_do_not_merge() {
     bench.write("aluminium.csv", "380,0.8\n780,0.8\n");
     bench.succeed(&["run", "sweep.lua", "--quiet", "--shard=2/2"]);
     let message = bench.fail(&["merge", "out/s"]);
-    assert!(message.starts_with("merge: shards 1/2 and 2/2 differ in program, script"), "{message}");
+    assert!(
+        message.starts_with("merge: shards 1/2 and 2/2 differ in program, script"),
+        "{message}"
+    );
     assert!(bench.fail(&["merge", "."]).starts_with("merge: no shards"));
 }
 
@@ -227,8 +230,8 @@ fn verify_finds_every_change() {
     let bench = bench();
     finish(&bench);
     let arguments = ["verify", "out/s/manifest.json", "--script", "sweep.lua"];
-    // 12 views of three files, contact sheet and page, script and one input.
-    assert_eq!(bench.succeed(&arguments), "out/s/manifest.json: 40 files are as they were\n");
+    // 8 views of three files, contact sheet and page, script and one input.
+    assert_eq!(bench.succeed(&arguments), "out/s/manifest.json: 28 files are as they were\n");
     bench.write("aluminium.csv", "380,0.8\n780,0.8\n");
     fs::remove_file(bench.path("out/s/view_0002_luminance.png")).expect("a removed file");
     fs::write(bench.path("out/s/index.html"), "").expect("a written file");
@@ -252,7 +255,7 @@ fn functions_give_views_one_by_one_or_yield_them() {
         let bench = bench();
         let script = SCRIPT.replace("views = views", &format!("views = {way}"));
         bench.write("sweep.lua", &script);
-        assert_eq!(finish(&bench), (12, 0), "{way}");
+        assert_eq!(finish(&bench), (8, 0), "{way}");
         let files = bench.files("out/s");
         for (name, bytes) in &listed {
             let of_script = name == "manifest.json" || name == "index.html";
@@ -281,11 +284,11 @@ fn the_page_needs_nothing_beside_it() {
     let bench = bench();
     finish(&bench);
     let page = fs::read_to_string(bench.path("out/s/index.html")).expect("a page");
-    assert_eq!(page.matches("<section").count(), 12);
-    assert_eq!(page.matches("data:image/png;base64,").count(), 24);
-    assert_eq!(page.matches("<polygon class='box red'").count(), 12);
+    assert_eq!(page.matches("<section").count(), 8);
+    assert_eq!(page.matches("data:image/png;base64,").count(), 16);
+    assert_eq!(page.matches("<polygon class='box red'").count(), 8);
     assert!(!page.contains("http:") && !page.contains("https:"));
-    assert_eq!(page.matches(" src='").count(), 24 + 1, "only timings.js lies outside");
+    assert_eq!(page.matches(" src='").count(), 16 + 1, "only timings.js lies outside");
     assert!(page.contains("<script src='timings.js'>"));
 }
 
@@ -298,7 +301,7 @@ fn machines_read_lines_of_json() {
         .map(|line| serde_json::from_str(line).expect("a line of JSON"))
         .collect();
     let views = events.iter().filter(|event| event["event"] == "view");
-    assert_eq!(views.map(|event| event["view"].as_u64()).flatten().sum::<u64>(), 78);
+    assert_eq!(views.map(|event| event["view"].as_u64()).flatten().sum::<u64>(), 36);
     bench.write("wrong.lua", "error('x')");
     let output = bench.run(&["run", "wrong.lua", "--log=json"]);
     let event: serde_json::Value =

@@ -1,5 +1,6 @@
 //! The kernel for x86-64 with AVX2 and FMA.
 
+use std::arch::asm;
 use std::arch::x86_64::*;
 
 use super::super::{Hit, Ray, TriangleId};
@@ -10,31 +11,37 @@ use super::query::Segment;
 use super::walk::TreeRay;
 use super::wide::{Lanes, Packet, WideNode};
 
-/// May be used only in functions compiled for AVX2 and FMA, into which it is inlined.
+/// Used only in functions compiled for AVX2 and FMA, into which all of it is inlined.
 pub(super) struct Avx2;
 
-/// # Safety
-/// The processor has AVX2 and FMA; so have the functions below.
 impl Kernel for Avx2 {
     #[inline(always)]
     fn enter(node: &WideNode, ray: &TreeRay, end: f32) -> (u32, Lanes) {
         let mut near_lanes = [0.0; 8];
-        // SAFETY: Bvh::walk chooses this kernel only where the processor has AVX2 and FMA.
+        // SAFETY: only `closest` and `occluded` below use this kernel; `Bvh` calls them only where
+        // the processor has their features.
         let lanes = unsafe {
-            let mut near = _mm256_setzero_ps();
-            let mut far = _mm256_set1_ps(end);
-            for axis in 0..3 {
-                let inverse = _mm256_set1_ps(ray.inverse[axis]);
-                let origin = _mm256_set1_ps(ray.origin_inverse[axis]);
-                let near_plane = load(&node.planes[2 * axis + ray.sign(axis)]);
-                let far_plane = load(&node.planes[2 * axis + 1 - ray.sign(axis)]);
-                near = _mm256_max_ps(_mm256_fmsub_ps(near_plane, inverse, origin), near);
-                far = _mm256_min_ps(_mm256_fmsub_ps(far_plane, inverse, origin), far);
-            }
+            let entry = |axis: usize| plane(&node.planes[2 * axis + ray.sign(axis)], ray, axis);
+            let exit = |axis: usize| plane(&node.planes[2 * axis + 1 - ray.sign(axis)], ray, axis);
+            // Pairs, which shorten the chain that each step of a ray waits for.
+            let near = _mm256_max_ps(
+                _mm256_max_ps(entry(0), entry(1)),
+                _mm256_max_ps(entry(2), _mm256_setzero_ps()),
+            );
+            let far = _mm256_min_ps(
+                _mm256_min_ps(exit(0), exit(1)),
+                _mm256_min_ps(exit(2), _mm256_set1_ps(end)),
+            );
             _mm256_storeu_ps(near_lanes.as_mut_ptr(), near);
             _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(near, far))
         };
         (lanes as u32, near_lanes)
+    }
+
+    #[inline(always)]
+    fn branch() {
+        // SAFETY: does nothing.
+        unsafe { asm!("", options(nomem, nostack, preserves_flags)) }
     }
 
     #[inline(always)]
@@ -53,9 +60,9 @@ impl Kernel for Avx2 {
             let [x, y, z] = shear(packet, probe, sheared);
             let places =
                 [widen(&packet.corners[0]), widen(&packet.corners[1]), widen(&packet.corners[2])];
-            let (ax, bx, cx) = gather3(x, &places);
-            let (ay, by, cy) = gather3(y, &places);
-            let (az, bz, cz) = gather3(z, &places);
+            let (ax, bx, cx) = gather(x, &places);
+            let (ay, by, cy) = gather(y, &places);
+            let (az, bz, cz) = gather(z, &places);
             let (wa, wb, wc) = (sign(cx, cy, bx, by), sign(ax, ay, cx, cy), sign(bx, by, ax, ay));
             let is_negative = _mm256_or_ps(_mm256_or_ps(wa.0, wb.0), wc.0);
             let is_positive = _mm256_or_ps(_mm256_or_ps(wa.1, wb.1), wc.1);
@@ -69,7 +76,7 @@ impl Kernel for Avx2 {
                 ),
                 _mm256_and_ps(is_negative, is_positive),
             );
-            !_mm256_movemask_ps(is_out) as u32 & packet.present
+            !_mm256_movemask_ps(is_out) as u32 & u32::from(packet.present)
         }
     }
 }
@@ -83,14 +90,15 @@ const LEAST_EDGE: f32 = 1e-36;
 /// Rounding a distance and the end of the ray, with a reserve.
 const Z_SLACK: f32 = 8.0 / (1 << 24) as f32;
 
-/// Sheared corners in f32: eight places, then four.
-type Places = (__m256, __m256);
-
+/// Sheared corners: all in f64 for the exact test, returned in f32.
+///
+/// No product is fused with the difference after it: the f64 values are the bits of the plain
+/// kernel.
 #[inline(always)]
-unsafe fn shear(packet: &Packet, probe: &Probe, sheared: &mut Sheared) -> [Places; 3] {
+unsafe fn shear(packet: &Packet, probe: &Probe, sheared: &mut Sheared) -> [__m256; 3] {
     let [kx, ky, kz] = probe.axes;
     let (xs, ys, zs) = (&packet.positions[kx], &packet.positions[ky], &packet.positions[kz]);
-    // SAFETY: the caller has AVX; four f64 from 0, 4 and 8 are inside of arrays of twelve.
+    // SAFETY: the caller has AVX; four f64 from 0 and from 4 are inside of arrays of eight.
     unsafe {
         let ox = _mm256_set1_pd(probe.origin[kx]);
         let oy = _mm256_set1_pd(probe.origin[ky]);
@@ -99,9 +107,9 @@ unsafe fn shear(packet: &Packet, probe: &Probe, sheared: &mut Sheared) -> [Place
         let sy = _mm256_set1_pd(probe.shear[1]);
         let sz = _mm256_set1_pd(probe.shear[2]);
         let [px, py, pz] = &mut sheared.0;
-        let mut parts = [[_mm_setzero_ps(); 3]; 3];
-        for part in 0..3 {
-            let i = 4 * part;
+        let mut parts = [[_mm_setzero_ps(); 3]; 2];
+        for (half, part) in parts.iter_mut().enumerate() {
+            let i = 4 * half;
             let depth = _mm256_sub_pd(_mm256_loadu_pd(zs.as_ptr().add(i)), oz);
             let x = _mm256_sub_pd(_mm256_loadu_pd(xs.as_ptr().add(i)), ox);
             let y = _mm256_sub_pd(_mm256_loadu_pd(ys.as_ptr().add(i)), oy);
@@ -111,14 +119,10 @@ unsafe fn shear(packet: &Packet, probe: &Probe, sheared: &mut Sheared) -> [Place
             _mm256_storeu_pd(px.as_mut_ptr().add(i), x);
             _mm256_storeu_pd(py.as_mut_ptr().add(i), y);
             _mm256_storeu_pd(pz.as_mut_ptr().add(i), z);
-            parts[part] = [_mm256_cvtpd_ps(x), _mm256_cvtpd_ps(y), _mm256_cvtpd_ps(z)];
+            *part = [_mm256_cvtpd_ps(x), _mm256_cvtpd_ps(y), _mm256_cvtpd_ps(z)];
         }
-        let [p, q, r] = parts;
-        [
-            (_mm256_set_m128(q[0], p[0]), _mm256_castps128_ps256(r[0])),
-            (_mm256_set_m128(q[1], p[1]), _mm256_castps128_ps256(r[1])),
-            (_mm256_set_m128(q[2], p[2]), _mm256_castps128_ps256(r[2])),
-        ]
+        let [p, q] = parts;
+        [_mm256_set_m128(q[0], p[0]), _mm256_set_m128(q[1], p[1]), _mm256_set_m128(q[2], p[2])]
     }
 }
 
@@ -130,20 +134,14 @@ unsafe fn widen(places: &[u8; 8]) -> __m256i {
 
 /// The values at the places of the first, second and third corners.
 #[inline(always)]
-unsafe fn gather3(values: Places, places: &[__m256i; 3]) -> (__m256, __m256, __m256) {
-    // SAFETY: the caller has AVX2.
-    unsafe { (gather(values, places[0]), gather(values, places[1]), gather(values, places[2])) }
-}
-
-#[inline(always)]
-unsafe fn gather((low, high): Places, places: __m256i) -> __m256 {
+unsafe fn gather(values: __m256, places: &[__m256i; 3]) -> (__m256, __m256, __m256) {
     // SAFETY: the caller has AVX2.
     unsafe {
-        // The bit that says 8 or more, where the blend looks for it.
-        let is_high = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(places));
-        let low = _mm256_permutevar8x32_ps(low, places);
-        let high = _mm256_permutevar8x32_ps(high, places);
-        _mm256_blendv_ps(low, high, is_high)
+        (
+            _mm256_permutevar8x32_ps(values, places[0]),
+            _mm256_permutevar8x32_ps(values, places[1]),
+            _mm256_permutevar8x32_ps(values, places[2]),
+        )
     }
 }
 
@@ -161,6 +159,16 @@ unsafe fn sign(px: __m256, py: __m256, qx: __m256, qy: __m256) -> (__m256, __m25
             _mm256_cmp_ps::<_CMP_LT_OQ>(area, _mm256_xor_ps(slack, minus)),
             _mm256_cmp_ps::<_CMP_GT_OQ>(area, slack),
         )
+    }
+}
+
+/// Where the ray meets eight planes.
+#[inline(always)]
+unsafe fn plane(positions: &Lanes, ray: &TreeRay, axis: usize) -> __m256 {
+    // SAFETY: the caller has AVX2 and FMA.
+    unsafe {
+        let inverse = _mm256_set1_ps(ray.inverse[axis]);
+        _mm256_fmsub_ps(load(positions), inverse, _mm256_set1_ps(ray.origin_inverse[axis]))
     }
 }
 

@@ -8,6 +8,9 @@ use super::super::DVec3;
 /// 1, the direction and its inverse 2 · 2.5, their products and difference 5. The pad is 16.
 pub(super) const PAD: f32 = 1.0 / (1 << 20) as f32;
 
+/// Farther than any hit in that frame: origins are at most 1.5 from the center.
+pub(super) const FARTHEST: f64 = 8.0;
+
 /// An axis-aligned box of the tree's frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Box3 {
@@ -50,7 +53,8 @@ impl Frame {
     pub fn new(low: DVec3, high: DVec3) -> Frame {
         let center = 0.5 * low + 0.5 * high;
         // 2⁻²⁰ more than half the diagonal covers every rounding in f64 of what is inside.
-        let radius_mm = (high - center).length() * (1.0 + f64::from(PAD));
+        let half = (high - center).max(center - low);
+        let radius_mm = half.length() * (1.0 + f64::from(PAD));
         let per_mm = if radius_mm > 0.0 { (-radius_mm.log2().ceil()).exp2() } else { 1.0 };
         Frame { center, radius_mm, per_mm }
     }
@@ -58,6 +62,13 @@ impl Frame {
     #[inline(always)]
     pub fn to_frame(self, point: DVec3) -> [f32; 3] {
         ((point - self.center) * self.per_mm).to_array().map(|x| x as f32)
+    }
+
+    /// A distance as the walk compares it: at least the true one, and finite. Rounding to f32 takes
+    /// 2⁻²⁴ of it.
+    #[inline(always)]
+    pub fn to_end(self, t_mm: f64) -> f32 {
+        (t_mm * (self.per_mm * (1.0 + 1.0 / (1 << 22) as f64))).min(FARTHEST) as f32
     }
 
     /// The box of three corners, widened by the pad.

@@ -6,7 +6,7 @@ use super::probe::Probe;
 use super::walk::TreeRay;
 use super::wide::{CORNERS, LANES, Lanes, Packet, WideNode};
 
-/// The corners of a packet as a probe sees them ([`Probe::to_sheared`]): coordinate, then place.
+/// The corners of a packet as a probe sees them: coordinate, then place.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Sheared(pub [[f64; CORNERS]; 3]);
@@ -25,11 +25,15 @@ pub(super) trait Kernel {
     /// Which boxes the ray enters before `end`, and where (≥ 0).
     fn enter(node: &WideNode, ray: &TreeRay, end: f32) -> (u32, Lanes);
 
+    /// Keeps the compiler from turning the branch in which it stands into a choice of values.
+    #[inline(always)]
+    fn branch() {}
+
     /// Asks the memory for what will be read soon.
     #[inline(always)]
     fn prefetch<T>(_place: &T) {}
 
-    /// Shears the corners, with the bits of [`Probe::to_sheared`], and says which triangles the probe
+    /// Shears the corners, with the same bits in every kernel, and says which triangles the probe
     /// may meet up to `end_mm`.
     fn may_meet(packet: &Packet, probe: &Probe, end_mm: f64, sheared: &mut Sheared) -> u32;
 }
@@ -75,16 +79,20 @@ impl Kernel for Portable {
         // A distance is a mean of those of the corners, but for its rounding.
         let end_mm = end_mm * (1.0 + 64.0 * f64::EPSILON);
         let mut is_met = [false; LANES];
-        for lane in 0..LANES {
-            let [a, b, c] = [0, 1, 2].map(|k| usize::from(packet.corners[k][lane]));
-            let [wa, wb, wc] = [(c, b), (a, c), (b, a)].map(|(i, j)| px[i] * py[j] - py[i] * px[j]);
+        for (lane, is_met) in is_met.iter_mut().enumerate() {
+            let a = usize::from(packet.corners[0][lane]) % CORNERS;
+            let b = usize::from(packet.corners[1][lane]) % CORNERS;
+            let c = usize::from(packet.corners[2][lane]) % CORNERS;
+            let wa = px[c] * py[b] - py[c] * px[b];
+            let wb = px[a] * py[c] - py[a] * px[c];
+            let wc = px[b] * py[a] - py[b] * px[a];
             let least = wa.min(wb).min(wc);
             let most = wa.max(wb).max(wc);
             let near = pz[a].min(pz[b]).min(pz[c]);
             let far = pz[a].max(pz[b]).max(pz[c]);
-            is_met[lane] = !((least < 0.0) & (most > 0.0)) & (far > 0.0) & (near <= end_mm);
+            *is_met = !((least < 0.0) & (most > 0.0)) & (far > 0.0) & (near <= end_mm);
         }
-        to_bits(&is_met) & packet.present
+        to_bits(&is_met) & u32::from(packet.present)
     }
 }
 

@@ -1,11 +1,11 @@
 //! The bounding volume hierarchy: which triangle a ray meets first, and whether any is in its way.
 //!
-//! Three steps build it: [`binary`] orders the triangles by the surface area heuristic, [`forest`]
+//! Three steps build it: `binary` orders the triangles by the surface area heuristic, `forest`
 //! chooses which binary nodes become nodes of eight children and packets of eight triangles,
-//! [`wide`] lays these out. A ray goes through it ([`walk`]) with one of the f32 kernels
-//! ([`kernel`], `avx2`), which only leave out what it cannot meet; whether and where it meets the
-//! rest is decided in f64 ([`probe`]), on the mesh itself. So hits are the same bits on any machine,
-//! and the same as without a tree.
+//! `wide` lays these out. A ray goes through it (`walk`) with one of two kernels (`kernel`,
+//! `avx2`), which leave out what it cannot meet: boxes in f32 with a pad, triangles where the sign
+//! of an edge function is sure. Whether and where it meets the rest is decided in f64 (`probe`). So
+//! hits are the same bits on any machine, and the same as without a tree.
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -31,7 +31,7 @@ use bounds::Frame;
 pub use departure::Departure;
 use wide::Tree;
 
-/// All triangles of a scene, ordered for rays. Shares the meshes, never copies their positions.
+/// All triangles of a scene, ordered for rays.
 #[derive(Debug, Clone)]
 pub struct Bvh {
     meshes: Vec<Arc<Mesh>>,
@@ -44,7 +44,7 @@ pub struct Bvh {
     simd: Simd,
 }
 
-/// Which kernel walks the tree.
+/// Which kernel walks the tree. All give the same hits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Simd {
     /// What the target of the build has.
@@ -54,17 +54,20 @@ pub enum Simd {
 }
 
 impl Simd {
-    fn detect() -> Simd {
+    /// The kernels that this processor has, the fastest last.
+    pub fn available() -> Vec<Simd> {
         #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2")
-            && is_x86_feature_detected!("fma")
-            && is_x86_feature_detected!("bmi1")
-            && is_x86_feature_detected!("lzcnt")
-            && is_x86_feature_detected!("popcnt")
         {
-            return Simd::Avx2;
+            let has_avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("fma")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("lzcnt")
+                && is_x86_feature_detected!("popcnt");
+            if has_avx2 {
+                return vec![Simd::Portable, Simd::Avx2];
+            }
         }
-        Simd::Portable
+        vec![Simd::Portable]
     }
 }
 
@@ -86,7 +89,7 @@ impl Bvh {
             high,
             frame,
             tree: Tree { nodes: Vec::new(), packets: Vec::new(), root: None },
-            simd: Simd::detect(),
+            simd: Simd::available().pop().unwrap_or(Simd::Portable),
         };
         bvh.tree = bvh.build_tree();
         bvh
@@ -112,9 +115,11 @@ impl Bvh {
         Tree::new(&nodes, &forests, triangle_at)
     }
 
-    /// Walks with the kernel that needs nothing of the processor, to compare it.
+    /// The same tree with another kernel, to compare them; unchanged if the processor lacks it.
     pub fn with_simd(mut self, simd: Simd) -> Bvh {
-        self.simd = simd;
+        if Simd::available().contains(&simd) {
+            self.simd = simd;
+        }
         self
     }
 

@@ -26,6 +26,7 @@ pub(super) struct Probe {
     pub advance_mm: f64,
     /// Axis order: the last is that in which the direction is longest.
     pub axes: [usize; 3],
+    /// What the first two axes move per unit of the third, and the ray's length per unit of it.
     pub shear: [f64; 3],
 }
 
@@ -63,9 +64,9 @@ impl Probe {
         cross(corners.map(|corner| self.to_sheared(corner.to_array())))
     }
 
-    /// 2D position about the ray, and distance along it.
-    #[inline(always)]
-    pub fn to_sheared(&self, corner: [f64; 3]) -> [f64; 3] {
+    /// 2D position about the ray, and distance along it: what each kernel computes for a packet.
+    #[cfg(test)]
+    fn to_sheared(self, corner: [f64; 3]) -> [f64; 3] {
         let depth = corner[self.axes[2]] - self.origin[self.axes[2]];
         [
             corner[self.axes[0]] - self.origin[self.axes[0]] - self.shear[0] * depth,
@@ -89,7 +90,7 @@ pub(super) fn cross([a, b, c]: [[f64; 3]; 3]) -> Option<Crossing> {
     let per_area = 1.0 / area;
     let t_mm = (wa * a[2] + wb * b[2] + wc * c[2]) * per_area;
     // False for NaN too.
-    (t_mm > 0.0).then(|| Crossing { t_mm, u: wb * per_area, v: wc * per_area })
+    (t_mm > 0.0).then_some(Crossing { t_mm, u: wb * per_area, v: wc * per_area })
 }
 
 /// Twice the signed area of (0, p, q); exactly `-edge(q, p)`.

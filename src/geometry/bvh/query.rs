@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use super::super::{DVec3, Hit, Ray, TriangleId};
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
+use super::bounds::FARTHEST;
 use super::kernel::{Kernel, Portable, Sheared};
 use super::probe::{self, Crossing, Probe};
 use super::walk::{self, TreeRay};
@@ -61,7 +62,7 @@ impl Bvh {
         let mut best: Option<(Crossing, u32)> = None;
         let mut end_mm = f64::INFINITY;
         let mut sheared = Sheared::NONE;
-        self.tree.walk::<K>(&tree_ray, walk::FARTHEST, |packet| {
+        self.tree.walk::<K>(&tree_ray, FARTHEST as f32, |packet| {
             let mut lanes = K::may_meet(packet, &probe, end_mm, &mut sheared);
             while lanes != 0 {
                 let lane = walk::take_lane(&mut lanes);
@@ -75,7 +76,7 @@ impl Bvh {
                     end_mm = found.t_mm;
                 }
             }
-            ControlFlow::Continue(walk::to_end(end_mm, &self.frame))
+            ControlFlow::Continue(self.frame.to_end(end_mm))
         });
         best.map(|(crossing, triangle)| Hit {
             distance_mm: crossing.t_mm + probe.advance_mm,
@@ -90,7 +91,7 @@ impl Bvh {
         let Some(probe) = self.probe(&segment.ray) else { return false };
         let end_mm = segment.length_mm - probe.advance_mm;
         let tree_ray = TreeRay::new(&probe, &self.frame);
-        let end = walk::to_end(end_mm, &self.frame);
+        let end = self.frame.to_end(end_mm);
         let mut is_hidden = false;
         let mut sheared = Sheared::NONE;
         self.tree.walk::<K>(&tree_ray, end, |packet| {

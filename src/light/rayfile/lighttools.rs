@@ -175,9 +175,8 @@ pub(super) fn read_ascii(input: &mut Input) -> Result<Parsed> {
     Ok(parsed)
 }
 
-/// The lines up to the start of the data.
+/// The lines up to the start of the data: what they state, and the data's name.
 fn ascii_statement(lines: &mut Lines) -> Result<(Statement, String)> {
-    let mut unit = None;
     let mut name = String::new();
     let mut statement = Statement {
         unit: FluxUnit::Unstated,
@@ -191,42 +190,44 @@ fn ascii_statement(lines: &mut Lines) -> Result<(Statement, String)> {
         let Some(line) = lines.peek_content()? else {
             return Err(lines.bad("the file ends without \"lt_startofdata\""));
         };
-        if line.starts_with(START) {
-            lines.advance();
-            statement.unit = unit.unwrap_or(FluxUnit::Unstated);
-            return Ok((statement, name));
-        }
+        let is_start = line.starts_with(START);
         let line = String::from_utf8_lossy(line).into_owned();
         let (key, value) = line.split_once(':').unwrap_or((&line, ""));
         let (key, value) = (key.trim(), value.trim());
-        let word = value.to_ascii_lowercase();
-        let known_word = match key {
-            "dataname" => {
-                name = value.to_owned();
-                true
-            }
-            "lt_datatype" => {
-                unit = data_type(&word);
-                unit.is_some()
-            }
-            "lt_far_field_data" => {
-                statement.far_field = word == "yes";
-                matches!(word.as_str(), "yes" | "no")
-            }
-            "lt_color_info" => color(&word).map(|color| statement.color = color).is_some(),
-            "lt_length_units" => {
-                length_unit(&word).map(|unit| statement.mm_per_unit = unit).is_some()
-            }
-            "lt_data_origin" => origin(&word).map(|origin| statement.origin = origin).is_some(),
-            "lt_radiant_flux" | "lt_luminous_flux" => {
-                word.parse().map(|flux: f32| statement.flux = known(flux)).is_ok()
-            }
-            _ => true,
-        };
-        if !known_word {
+        if key == "dataname" {
+            name = value.to_owned();
+        }
+        if statement.state(key, &value.to_ascii_lowercase()).is_none() {
             return Err(lines.bad(format!("\"{key}\" is \"{value}\", which is not known")));
         }
         lines.advance();
+        if is_start {
+            return Ok((statement, name));
+        }
+    }
+}
+
+impl Statement {
+    /// Takes in a header line; `None` if its value is not known. Other keys change nothing.
+    fn state(&mut self, key: &str, word: &str) -> Option<()> {
+        match key {
+            "lt_datatype" => self.unit = data_type(word)?,
+            "lt_far_field_data" => self.far_field = yes_or_no(word)?,
+            "lt_color_info" => self.color = color(word)?,
+            "lt_length_units" => self.mm_per_unit = length_unit(word)?,
+            "lt_data_origin" => self.origin = origin(word)?,
+            "lt_radiant_flux" | "lt_luminous_flux" => self.flux = known(word.parse().ok()?),
+            _ => {}
+        }
+        Some(())
+    }
+}
+
+fn yes_or_no(word: &str) -> Option<bool> {
+    match word {
+        "yes" => Some(true),
+        "no" => Some(false),
+        _ => None,
     }
 }
 

@@ -70,36 +70,48 @@ pub(super) struct Record {
     pub direction_error: f64,
 }
 
+impl Record {
+    /// Errors: a start point or flux that is not finite, a direction far from unit.
+    #[inline(always)]
+    pub fn new(position: [f32; 3], direction: [f32; 3], flux: f32) -> Result<Self, Flaw> {
+        if let Some(x) = position.into_iter().find(|x| !x.is_finite()) {
+            return Err(Flaw::Position(x));
+        }
+        let (direction, direction_error) = unit(direction)?;
+        if !is_flux(flux) {
+            return Err(Flaw::Flux(flux));
+        }
+        let sample = RaySample { position, direction, flux };
+        Ok(Self { sample, radiant: None, tag: 0.0, direction_error })
+    }
+}
+
 impl Layout {
+    /// Whether a record is x y z dx dy dz flux in mm and no more.
+    pub fn is_seven_columns(&self) -> bool {
+        self.columns == 7 && self.position.is_some() && self.mm_per_unit == 1.0
+    }
+
     /// `word` yields the number in a column.
     #[inline]
     pub fn record(&self, word: impl Fn(usize) -> f32) -> Result<Record, Flaw> {
         let triple = |first| [word(first), word(first + 1), word(first + 2)];
-        let position = self.position(self.position.map_or([0.0; 3], triple))?;
-        let (direction, direction_error) = unit(triple(self.direction))?;
-        let flux = word(self.flux);
-        if !is_flux(flux) {
-            return Err(Flaw::Flux(flux));
-        }
-        let radiant = self.radiant.map(&word);
-        if let Some(radiant) = radiant.filter(|&r| !is_flux(r)) {
+        let position = self.in_mm(self.position.map_or([0.0; 3], triple));
+        let mut record = Record::new(position, triple(self.direction), word(self.flux))?;
+        record.radiant = self.radiant.map(&word);
+        if let Some(radiant) = record.radiant.filter(|&r| !is_flux(r)) {
             return Err(Flaw::RadiantFlux(radiant));
         }
-        let tag = self.tag.column().map_or(0.0, word);
-        let sample = RaySample { position, direction, flux };
-        Ok(Record { sample, radiant, tag, direction_error })
+        record.tag = self.tag.column().map_or(0.0, word);
+        Ok(record)
     }
 
+    /// In mm the stored bits are kept; other units are scaled in f64 and rounded once.
     #[inline]
-    fn position(&self, stored: [f32; 3]) -> Result<[f32; 3], Flaw> {
-        // In mm the stored bits are kept; other units are scaled in f64 and rounded once.
-        let mm = match self.mm_per_unit {
+    fn in_mm(&self, stored: [f32; 3]) -> [f32; 3] {
+        match self.mm_per_unit {
             1.0 => stored,
             scale => stored.map(|x| (f64::from(x) * scale) as f32),
-        };
-        match mm.into_iter().find(|x| !x.is_finite()) {
-            Some(x) => Err(Flaw::Position(x)),
-            None => Ok(mm),
         }
     }
 }

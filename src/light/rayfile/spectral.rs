@@ -198,6 +198,19 @@ impl Tally {
                 }
             }
         }
+        self.count(&record, sample);
+        Ok(sample)
+    }
+
+    /// Counts in a record without a spectrum of its own.
+    #[inline(always)]
+    pub fn add_untagged(&mut self, record: &Record) -> RaySample {
+        self.count(record, record.sample);
+        record.sample
+    }
+
+    #[inline(always)]
+    fn count(&mut self, record: &Record, sample: RaySample) {
         self.rays += 1;
         self.flux += f64::from(record.sample.flux);
         self.sample_flux += f64::from(sample.flux);
@@ -205,7 +218,6 @@ impl Tally {
             self.off_unit += 1;
             self.largest_direction_error = self.largest_direction_error.max(record.direction_error);
         }
-        Ok(sample)
     }
 
     /// The ray's watts; turns the sample's flux into lumens if the file's are watts.

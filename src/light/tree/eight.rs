@@ -21,12 +21,12 @@ impl Eight {
 
     #[inline(always)]
     pub fn map(self, f: impl Fn(f32) -> f32) -> Eight {
-        Eight(std::array::from_fn(|i| f(self.0[i])))
+        lanes(|i| f(self.0[i]))
     }
 
     #[inline(always)]
     pub fn zip(self, other: Eight, f: impl Fn(f32, f32) -> f32) -> Eight {
-        Eight(std::array::from_fn(|i| f(self.0[i], other.0[i])))
+        lanes(|i| f(self.0[i], other.0[i]))
     }
 
     #[inline(always)]
@@ -59,9 +59,13 @@ impl Eight {
         self.at_least(f32::MIN_POSITIVE).map(inverse_sqrt)
     }
 
+    /// To 0.2 %, for error estimates.
     #[inline(always)]
-    pub fn sqrt(self) -> Eight {
-        self * self.inverse_sqrt()
+    pub fn rough_sqrt(self) -> Eight {
+        self.at_least(f32::MIN_POSITIVE).map(|x| {
+            let y = f32::from_bits(0x5f37_59dfu32.wrapping_sub(x.to_bits() >> 1));
+            x * y * (1.5 - 0.5 * x * y * y)
+        })
     }
 
     #[inline(always)]
@@ -73,6 +77,15 @@ impl Eight {
     #[inline(always)]
     pub fn cosine_power(sine2: Eight, exponent: f32) -> Eight {
         sine2.map(|s| exp_neg(0.5 * exponent * neg_ln_1m(s)))
+    }
+
+    /// At least cosⁿ: e^(−n s²/2) for the sharp lobes, which is cheaper and as good there.
+    #[inline(always)]
+    pub fn cosine_power_bound(sine2: Eight, exponent: f32) -> Eight {
+        if exponent < 200.0 {
+            return Eight::cosine_power(sine2, exponent);
+        }
+        sine2.map(|s| exp_neg(0.5 * exponent * s))
     }
 
     /// `then` where `self` < `bound`, else `otherwise`.
@@ -87,9 +100,78 @@ impl Eight {
 
     #[inline(always)]
     pub fn smallest(self) -> f32 {
-        let four: [f32; 4] = std::array::from_fn(|i| smaller(self.0[i], self.0[i + 4]));
-        smaller(smaller(four[0], four[2]), smaller(four[1], four[3]))
+        self.0.iter().fold(f32::INFINITY, |low, v| smaller(*v, low))
     }
+}
+
+/// Plain loops: `array::from_fn` is not always inlined into kernels with wider vectors.
+#[inline(always)]
+fn lanes(f: impl Fn(usize) -> f32) -> Eight {
+    let mut out = [0.0; 8];
+    for (i, lane) in out.iter_mut().enumerate() {
+        *lane = f(i);
+    }
+    Eight(out)
+}
+
+/// Axis by axis.
+#[inline(always)]
+pub(super) fn vectors(f: impl Fn(usize) -> Eight) -> Vectors {
+    [f(0), f(1), f(2)]
+}
+
+/// Rows to columns, in steps that are one shuffle of a pair: of 32-bit lanes, of pairs of them, of
+/// halves.
+#[inline(always)]
+pub(super) fn transposed(r: &[Eight; 8]) -> [Eight; 8] {
+    let [a0, a1, a2, a3] = transposed_halves(r[0], r[1], r[2], r[3]);
+    let [b0, b1, b2, b3] = transposed_halves(r[4], r[5], r[6], r[7]);
+    [
+        low128(a0, b0),
+        low128(a1, b1),
+        low128(a2, b2),
+        low128(a3, b3),
+        high128(a0, b0),
+        high128(a1, b1),
+        high128(a2, b2),
+        high128(a3, b3),
+    ]
+}
+
+#[inline(always)]
+fn transposed_halves(a: Eight, b: Eight, c: Eight, d: Eight) -> [Eight; 4] {
+    let (e, f, g, h) = (low32(a, b), high32(a, b), low32(c, d), high32(c, d));
+    [low64(e, g), high64(e, g), low64(f, h), high64(f, h)]
+}
+
+#[inline(always)]
+fn low32(Eight(a): Eight, Eight(b): Eight) -> Eight {
+    Eight([a[0], b[0], a[1], b[1], a[4], b[4], a[5], b[5]])
+}
+
+#[inline(always)]
+fn high32(Eight(a): Eight, Eight(b): Eight) -> Eight {
+    Eight([a[2], b[2], a[3], b[3], a[6], b[6], a[7], b[7]])
+}
+
+#[inline(always)]
+fn low64(Eight(a): Eight, Eight(b): Eight) -> Eight {
+    Eight([a[0], a[1], b[0], b[1], a[4], a[5], b[4], b[5]])
+}
+
+#[inline(always)]
+fn high64(Eight(a): Eight, Eight(b): Eight) -> Eight {
+    Eight([a[2], a[3], b[2], b[3], a[6], a[7], b[6], b[7]])
+}
+
+#[inline(always)]
+fn low128(Eight(a): Eight, Eight(b): Eight) -> Eight {
+    Eight([a[0], a[1], a[2], a[3], b[0], b[1], b[2], b[3]])
+}
+
+#[inline(always)]
+fn high128(Eight(a): Eight, Eight(b): Eight) -> Eight {
+    Eight([a[4], a[5], a[6], a[7], b[4], b[5], b[6], b[7]])
 }
 
 impl Add for Eight {
@@ -163,4 +245,20 @@ pub(super) fn turned(m: &[Eight; 6], v: &Vectors) -> Vectors {
         m[3] * v[0] + m[1] * v[1] + m[5] * v[2],
         m[4] * v[0] + m[5] * v[1] + m[2] * v[2],
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn transposition_swaps_rows_and_columns() {
+        let rows: [Eight; 8] =
+            std::array::from_fn(|r| Eight(std::array::from_fn(|c| (r * 8 + c) as f32)));
+        for (c, column) in transposed(&rows).iter().enumerate() {
+            for (r, value) in column.0.iter().enumerate() {
+                assert_eq!(*value, (r * 8 + c) as f32);
+            }
+        }
+    }
 }

@@ -8,16 +8,20 @@
 //!
 //! where T = Σ Φ H τ, c̄ and C are the emission-weighted mean place and covariance, and k is 1, or
 //! 3 with the inverse square. Left out, and so estimated:
-//! - the third order of G: bounded by its largest third derivative over the cone in which the hit
-//!   sees the node, times the largest |s − c̄| times the trace of C;
+//! - the third order of G: its derivative at c̄ times the norm of the third central moment;
+//! - the fourth: the largest derivative over the cone in which the hit sees the node, times the
+//!   largest |s − c̄|² times the trace of C;
 //! - the correlation of τ with ∇G·(s − c̄), and the samples that τ turns toward or away;
 //! - interpolation: E is convex on the octahedron's faces, so it lies between the blended tangents
-//!   and the interpolated values. Their mean is used, and half of their difference is the bound.
+//!   and the interpolated values. Their mean is used, and that part of half their difference that
+//!   was measured while building.
 
-use super::eight::{Eight, Vectors, dot, dot_one, scaled, turned};
+use super::eight::{Eight, Vectors, dot, dot_one, scaled, transposed, turned, vectors};
 use super::levels::Octet;
-use super::octahedron::{Grid, Triangle};
-use super::table::{CHANNELS, EMISSION, GRADIENT, MEAN, PARALLAX, PARALLAX2, SPREAD};
+use super::moments::{
+    CHANNELS, Channels, EMISSION, GRADIENT, MEAN, PAIRS, PARALLAX, PARALLAX2, SKEWNESS, SPREAD,
+};
+use super::octahedron::Grid;
 use crate::light::sum::power::Power;
 
 /// One side of a hit, relative to the tree's center.
@@ -48,7 +52,17 @@ pub(super) struct NodeSums {
 }
 
 /// Radius over distance from which a node is too near for its table.
-const NEAREST: f32 = 0.4;
+const NEAREST: f32 = 0.3;
+
+/// A Taylor remainder weighs the derivative at t of the way to a sample with 4 (1 − t)³, 1/5 on
+/// average. For a derivative that grows as e^(at), this is less than its value at 0.4 up to a = 10.
+const INWARD: f32 = 0.4;
+
+/// Beyond this a, only the lobe's largest value bounds what a few samples near the axis send.
+const STEEPEST: f32 = 8.0;
+
+/// Of directions in f32, rad.
+const ROUNDING: f32 = 4e-7;
 
 /// A lobe below e^−40 is not worth an expansion; its bound then is this fraction of its weight.
 const NEGLIGIBLE_EXPONENT: f32 = 40.0;
@@ -56,39 +70,48 @@ const NEGLIGIBLE: f32 = 4.3e-18;
 
 pub(super) fn eval_octet(
     octet: &Octet,
-    (grid, table): (Grid, &[f32]),
+    (grid, table): (Grid, &[Channels]),
     query: &NodeQuery,
 ) -> NodeSums {
     #[cfg(target_arch = "x86_64")]
     {
         use crate::light::sum::isa::{Isa, detected};
         #[target_feature(enable = "avx2")]
-        fn with_avx2(octet: &Octet, table: (Grid, &[f32]), query: &NodeQuery) -> NodeSums {
+        fn with_avx2(octet: &Octet, table: (Grid, &[Channels]), query: &NodeQuery) -> NodeSums {
             kernel(octet, table, query)
         }
-        if detected() != Isa::Plain {
-            // SAFETY: the processor has said that it has AVX2.
-            return unsafe { with_avx2(octet, (grid, table), query) };
+        #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw")]
+        fn with_avx512(octet: &Octet, table: (Grid, &[Channels]), query: &NodeQuery) -> NodeSums {
+            kernel(octet, table, query)
+        }
+        // SAFETY: each is called only after the processor has said that it has the features.
+        match detected() {
+            Isa::Avx512 => return unsafe { with_avx512(octet, (grid, table), query) },
+            Isa::Avx2 => return unsafe { with_avx2(octet, (grid, table), query) },
+            Isa::Plain => {}
         }
     }
     kernel(octet, (grid, table), query)
 }
 
 #[inline(always)]
-fn kernel(octet: &Octet, (grid, table): (Grid, &[f32]), query: &NodeQuery) -> NodeSums {
-    let to_center: Vectors = std::array::from_fn(|axis| octet.center[axis] + -query.point[axis]);
+fn kernel(octet: &Octet, (grid, table): (Grid, &[Channels]), query: &NodeQuery) -> NodeSums {
+    let to_center: Vectors = vectors(|axis| octet.center[axis] + -query.point[axis]);
     let inverse_distance = dot(&to_center, &to_center).inverse_sqrt();
     let outward = scaled(&to_center, -inverse_distance);
-    let emission = Emission::look_up(&outward, grid, table);
+    let emission = Emission::look_up(&outward, octet.interpolation, grid, table);
     let cloud = Cloud::new(&to_center, octet.radius, &emission);
     let lobes = sum_lobes(&cloud, query);
 
     let falloff = falloff(&cloud, inverse_distance, query.inverse_square);
     let parallax = emission.parallax * inverse_distance;
     let value = ((emission.middle - parallax) * lobes.value * falloff).at_least(0.0);
-    let error = falloff * total_error(&emission, &cloud, &lobes, (inverse_distance, grid));
+    let error = falloff * total_error(&emission, &cloud, &lobes, (octet, inverse_distance, grid));
 
-    let far_error = error + value * 1e-6;
+    // f32 rounds the hit's and the node's places by their size.
+    let size = dot(&octet.center, &octet.center).rough_sqrt();
+    let turn = (size * inverse_distance + 1.0) * ROUNDING;
+    let far_error = error + value * 2e-6 + emission.total * lobes.slope * falloff * turn;
     let limit = Eight::splat(NEAREST);
     let near_error = near_bound(octet, inverse_distance, query);
     // All samples on the other side, or none at all.
@@ -99,7 +122,7 @@ fn kernel(octet: &Octet, (grid, table): (Grid, &[f32]), query: &NodeQuery) -> No
     NodeSums {
         value: present(near(value, Eight::ZERO)),
         error: present(near(far_error, near_error)),
-        place: std::array::from_fn(|axis| octet.center[axis] + emission.mean[axis]),
+        place: vectors(|axis| octet.center[axis] + emission.mean[axis]),
     }
 }
 
@@ -121,18 +144,26 @@ fn near_bound(octet: &Octet, inverse_distance: Eight, query: &NodeQuery) -> Eigh
 struct Emission {
     /// Between the two bounds of E.
     middle: Eight,
-    half_width: Eight,
+    /// Measured part of half the bounds' distance.
+    uncertainty: Eight,
     /// Interpolated E, consistent with the moments.
     total: Eight,
     mean: Vectors,
     covariance: [Eight; 6],
     parallax: Eight,
     parallax2: Eight,
+    /// Norm of the third central moment.
+    skewness: Eight,
 }
 
 impl Emission {
     #[inline(always)]
-    fn look_up(outward: &Vectors, grid: Grid, table: &[f32]) -> Emission {
+    fn look_up(
+        outward: &Vectors,
+        interpolation: Eight,
+        grid: Grid,
+        table: &[Channels],
+    ) -> Emission {
         let l1 = (outward[0].abs() + outward[1].abs() + outward[2].abs()).at_least(1e-30);
         let inverse = l1.recip();
         let on_octahedron = scaled(outward, inverse);
@@ -141,66 +172,46 @@ impl Emission {
         let gradient = [channels[GRADIENT], channels[GRADIENT + 1], channels[GRADIENT + 2]];
         let tangent = dot(&gradient, outward).smaller(total);
         let normalize = channels[EMISSION].at_least(f32::MIN_POSITIVE).recip();
-        let mean: Vectors = std::array::from_fn(|axis| channels[MEAN + axis] * normalize);
-        let pairs = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
-        let covariance = std::array::from_fn(|i| {
-            let (a, b) = pairs[i];
-            channels[SPREAD + i] * normalize - mean[a] * mean[b]
-        });
+        let mean = vectors(|axis| channels[MEAN + axis] * normalize);
+        let mut covariance = [Eight::ZERO; 6];
+        for (i, (a, b)) in PAIRS.into_iter().enumerate() {
+            covariance[i] = channels[SPREAD + i] * normalize - mean[a] * mean[b];
+        }
         Emission {
             middle: ((total + tangent) * 0.5).at_least(0.0),
-            half_width: (total - tangent) * 0.5,
+            uncertainty: (total - tangent) * 0.5 * interpolation,
             total,
             mean,
             covariance,
             parallax: channels[PARALLAX],
             parallax2: channels[PARALLAX2],
+            skewness: channels[SKEWNESS] * l1,
         }
     }
 }
 
+/// Every lane from its own node's table.
 #[inline(always)]
-fn interpolate(at: &Vectors, grid: Grid, table: &[f32]) -> [Eight; CHANNELS] {
-    let triangles: [Triangle; 8] =
-        std::array::from_fn(|i| grid.triangle([at[0].0[i], at[1].0[i], at[2].0[i]]));
-    let shared = triangles.iter().all(|triangle| triangle.corners == triangles[0].corners);
-    if shared {
-        interpolate_shared(&triangles, table)
-    } else {
-        interpolate_apart(&triangles, table)
-    }
-}
-
-#[inline(always)]
-fn interpolate_shared(triangles: &[Triangle; 8], table: &[f32]) -> [Eight; CHANNELS] {
-    let weights: [Eight; 3] =
-        std::array::from_fn(|k| Eight(std::array::from_fn(|i| triangles[i].weights[k])));
-    let corners = triangles[0].corners.map(|corner| {
-        let start = corner * CHANNELS * 8;
-        table[start..start + CHANNELS * 8].as_chunks::<8>().0
-    });
-    std::array::from_fn(|channel| {
-        let value = |k: usize| Eight(corners[k][channel]) * weights[k];
-        value(0) + value(1) + value(2)
-    })
-}
-
-/// Each lane in its own triangle.
-#[inline(never)]
-fn interpolate_apart(triangles: &[Triangle; 8], table: &[f32]) -> [Eight; CHANNELS] {
-    let mut channels = [Eight::ZERO; CHANNELS];
-    for (lane, triangle) in triangles.iter().enumerate() {
-        let corners = triangle.corners.map(|corner| {
-            let start = corner * CHANNELS * 8;
-            table[start..start + CHANNELS * 8].as_chunks::<8>().0
-        });
-        let weights = triangle.weights;
-        for (channel, values) in channels.iter_mut().enumerate() {
-            let value = |k: usize| corners[k][channel][lane] * weights[k];
-            values.0[lane] = value(0) + value(1) + value(2);
+fn interpolate(at: &Vectors, grid: Grid, tables: &[Channels]) -> [Eight; CHANNELS] {
+    let triangles = grid.triangles(at);
+    let nodes = tables.len() / grid.vertices();
+    let mut halves = [[Eight::ZERO; 8]; 2];
+    for lane in 0..8 {
+        let first = if lane < nodes { lane * grid.vertices() } else { 0 };
+        for (half, values) in halves.iter_mut().enumerate() {
+            values[lane] = Eight::ZERO;
+            for corner in 0..3 {
+                let row = &tables[first + triangles.corners[corner].0[lane] as usize].0;
+                let weight = triangles.weights[corner].0[lane];
+                for i in 0..8 {
+                    values[lane].0[i] += row[half * 8 + i] * weight;
+                }
+            }
         }
     }
-    channels
+    let ([a, b, c, d, e, f, g, h], high) = (transposed(&halves[0]), transposed(&halves[1]));
+    let [i, j, k, l, m, n, o, p] = high;
+    [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p]
 }
 
 /// The samples of a node as the hit sees them.
@@ -212,8 +223,10 @@ struct Cloud {
     cone: Eight,
     /// 2 sin(α/2) of the cone that holds the samples, for `cone` up to [`NEAREST`].
     chord: Eight,
-    /// (1 − cone)^−3: how much nearer the nearest sample can be.
-    nearness3: Eight,
+    /// 1/(1 − 0.4 cone): how much nearer samples are than their mean, see [`INWARD`].
+    nearness: Eight,
+    /// Norm of the third central moment, over Σ w.
+    skewness: Eight,
     covariance: [Eight; 6],
     /// C·direction.
     along: Vectors,
@@ -224,12 +237,12 @@ impl Cloud {
     #[inline(always)]
     fn new(to_center: &Vectors, radius: Eight, emission: &Emission) -> Cloud {
         let mean = &emission.mean;
-        let to_mean: Vectors = std::array::from_fn(|axis| to_center[axis] + mean[axis]);
+        let to_mean = vectors(|axis| to_center[axis] + mean[axis]);
         let inverse_distance = dot(&to_mean, &to_mean).inverse_sqrt();
         let direction = scaled(&to_mean, inverse_distance);
-        let reach = radius + dot(mean, mean).sqrt().smaller(radius);
+        let reach = radius + dot(mean, mean).rough_sqrt().smaller(radius);
         let cone = reach * inverse_distance;
-        let gap = (cone * -1.0 + 1.0).at_least(0.5).recip();
+        let nearness = (cone * -INWARD + 1.0).at_least(0.5).recip();
         let along = turned(&emission.covariance, &direction);
         let trace = emission.covariance[0] + emission.covariance[1] + emission.covariance[2];
         Cloud {
@@ -237,7 +250,8 @@ impl Cloud {
             inverse_distance,
             cone,
             chord: cone * 1.03, // 2 sin(asin(x)/2) < 1.03 x up to x = 0.45
-            nearness3: gap * gap * gap,
+            nearness,
+            skewness: emission.skewness * emission.total.at_least(f32::MIN_POSITIVE).recip(),
             covariance: emission.covariance,
             along,
             trace: trace.at_least(0.0),
@@ -286,33 +300,44 @@ fn add_lobe(
 ) {
     let n = lobe.exponent;
     let cos = dot_one(&cloud.direction, axis);
-    let across: Vectors = std::array::from_fn(|i| -(cloud.direction[i] * cos) + axis[i]);
+    let across = vectors(|i| -(cloud.direction[i] * cos) + axis[i]);
     let one = Eight::splat(1.0);
     let sine2 = Eight::ZERO.below(cos, dot(&across, &across).at_most(1.0), one);
-    let sine = sine2.sqrt();
-    // The samples nearest to the axis; past 90° their cosine is at most cos + chord.
-    let near_cos = (cos + cloud.chord).at_least(0.0);
-    let near_sine = (sine - cloud.chord).at_least(0.0);
-    let beyond = (near_cos * near_cos * -1.0 + 1.0).at_least(0.0);
-    let near_sine2 = Eight::ZERO.below(cos, near_sine * near_sine, beyond);
-    let edge_exponent = (n - 3.0).max(0.0);
-    if 0.5 * edge_exponent * near_sine2.smallest() > NEGLIGIBLE_EXPONENT {
+    let sine = sine2.rough_sqrt();
+    let exponent = (n - 4.0).max(0.0);
+    let near_sine2 = nearest_sine2((cos, sine), cloud.chord);
+    if 0.5 * exponent * near_sine2.smallest() > NEGLIGIBLE_EXPONENT {
         sums.error = sums.error + Eight::splat(lobe.weight * NEGLIGIBLE);
         return;
     }
-    let edge = Eight::cosine_power(near_sine2, edge_exponent);
+    let largest = Eight::cosine_power_bound(near_sine2, exponent);
     let at_mean = Eight::cosine_power(sine2, n);
-    let far_sine = (sine + cloud.chord).at_most(1.0);
-    let second = second_order(cloud, (&across, cos), n, k);
-    let third = third_order(cloud, (near_sine, far_sine), n, k);
+    let inward = cloud.chord * INWARD;
+    let (near_sine, far_sine) = ((sine - inward).at_least(0.0), (sine + inward).at_most(1.0));
+    let inner = Eight::cosine_power_bound(near_sine * near_sine, exponent);
+    let third = at_mean * third_order(cloud, sine, n, k);
+    let fourth = inner * fourth_order(cloud, (near_sine, far_sine), n, k);
     // Where the lobe ends (its horizon) it has no derivatives; the bound is its largest value.
-    let smooth = (cloud.chord * 1.5).at_least(0.05).below(cos, third.at_most(1.0), one);
-    let relative = straddles(one, smooth);
-    let value = (at_mean * (second + 1.0)).at_least(0.0).smaller(edge);
+    let smooth_from = (cloud.chord * 1.5).at_least(0.05);
+    let growth = (sine2 - near_sine2) * (0.5 * n);
+    let smooth = smooth_from.below(cos, (third + fourth).smaller(largest), largest);
+    let smooth = growth.below(Eight::splat(STEEPEST), smooth, largest);
+    let error = straddles(largest, smooth);
+    let second = second_order(cloud, (&across, cos), n, k);
+    let value = (at_mean * (second + 1.0)).at_least(0.0).smaller(largest);
     sums.value = sums.value + value * lobe.weight;
-    sums.error = sums.error + edge * relative * lobe.weight;
+    sums.error = sums.error + error * lobe.weight;
     sums.at_mean = sums.at_mean + at_mean * lobe.weight;
     sums.slope = sums.slope + at_mean * (far_sine * n + k) * lobe.weight;
+}
+
+/// Sine² of the sample nearest to the axis; past 90° its cosine is at most cos + chord.
+#[inline(always)]
+fn nearest_sine2((cos, sine): (Eight, Eight), chord: Eight) -> Eight {
+    let near_sine = (sine - chord).at_least(0.0);
+    let near_cos = (cos + chord).at_least(0.0);
+    let beyond = (near_cos * near_cos * -1.0 + 1.0).at_least(0.0);
+    Eight::ZERO.below(cos, near_sine * near_sine, beyond)
 }
 
 /// ½ ∇∇G : C over G for G = cosⁿ r^−k.
@@ -330,21 +355,46 @@ fn second_order(cloud: &Cloud, (across, cos): (&Vectors, Eight), n: f32, k: f32)
     sum * cloud.inverse_distance * cloud.inverse_distance * 0.5
 }
 
-/// Bound of the third order over the largest cosⁿ⁻³ in the cone.
+/// Derivatives of cosⁿ along a line through the direction at `sine`, over cosⁿ⁻⁴ and in 1/r.
 ///
-/// The derivative along a line is n (n−1) (n−2) cos'³ + 3 n (n−1) cos' cos″ + n cos‴ with
-/// |cos'| ≤ sin/r; its first two terms make n² sin (n sin² − 3), as those of a Gaussian. Those of
-/// r^−k follow by the product rule.
+/// With cos' ≤ sine, cos″ ≤ 1 and so on; the leading terms are those of the Gaussian e^(−n s²/2),
+/// Hermite polynomials in √n s.
 #[inline(always)]
-fn third_order(cloud: &Cloud, (near_sine, far_sine): (Eight, Eight), n: f32, k: f32) -> Eight {
-    let hermite = |sine: Eight| (sine * sine * n + -3.0).abs();
-    let largest = hermite(near_sine).larger(hermite(far_sine));
-    let own = far_sine * largest * (n * n) + 7.0 * n;
-    let with_falloff = (far_sine * far_sine * (n * n) + n) * (3.0 * k)
-        + far_sine * (3.0 * k * (k + 1.0) * n)
-        + k * (k + 1.0) * (k + 2.0);
-    let size = cloud.trace * cloud.inverse_distance * cloud.inverse_distance * cloud.cone;
-    (own + with_falloff) * size * cloud.nearness3 * (1.0 / 6.0)
+fn lower_derivatives(sine: Eight, n: f32) -> (Eight, Eight, Eight) {
+    let z = sine * sine * n;
+    let hermite3 = (z + -3.0).abs();
+    (sine * n, (z + 1.0) * n, sine * hermite3 * (n * n) + 7.0 * n)
+}
+
+/// Of G relative to cosⁿ, for the norm of the third moment.
+#[inline(always)]
+fn third_order(cloud: &Cloud, sine: Eight, n: f32, k: f32) -> Eight {
+    let (first, second, third) = lower_derivatives(sine, n);
+    let derivative =
+        third + second * (3.0 * k) + first * (3.0 * k * (k + 1.0)) + k * (k + 1.0) * (k + 2.0);
+    let inverse = cloud.inverse_distance;
+    derivative * cloud.skewness * (inverse * inverse * inverse) * (1.0 / 6.0)
+}
+
+/// Bound relative to the largest cosⁿ⁻⁴ on the way.
+#[inline(always)]
+fn fourth_order(cloud: &Cloud, (near_sine, far_sine): (Eight, Eight), n: f32, k: f32) -> Eight {
+    let (first, second, third) = lower_derivatives(far_sine, n);
+    // |z² − 6z + 3| = |(z − 3)² − 6|, z = n s², at its largest between the two.
+    let (low, high) = (near_sine * near_sine * n + -3.0, far_sine * far_sine * n + -3.0);
+    let farthest = (low * low).larger(high * high);
+    let nearest = low.larger(-high).at_least(0.0);
+    let hermite4 = (farthest + -6.0).larger(nearest * nearest * -1.0 + 6.0);
+    let own = (hermite4 + first * far_sine * far_sine * 6.0 + far_sine * far_sine * 15.0) * (n * n)
+        + 9.0 * n;
+    let derivative = own
+        + third * (4.0 * k)
+        + second * (6.0 * k * (k + 1.0))
+        + first * (4.0 * k * (k + 1.0) * (k + 2.0))
+        + k * (k + 1.0) * (k + 2.0) * (k + 3.0);
+    let gap = cloud.nearness * cloud.nearness;
+    let size = cloud.cone * cloud.inverse_distance;
+    derivative * cloud.trace * (size * size) * (gap * gap) * (1.0 / 24.0)
 }
 
 /// (R/r)^k, over R² with the inverse square.
@@ -359,16 +409,17 @@ fn total_error(
     emission: &Emission,
     cloud: &Cloud,
     lobes: &LobeSums,
-    (inverse_distance, grid): (Eight, Grid),
+    (octet, inverse_distance, grid): (&Octet, Eight, Grid),
 ) -> Eight {
-    let width = cloud.trace.sqrt() * cloud.inverse_distance;
+    let width = cloud.trace.rough_sqrt() * cloud.inverse_distance;
     let slope = lobes.slope * width;
-    // √(Σ Φ H τ² · Σ w)/R
+    // Σ Φ τ²/R², and the root mean square of τ/R times the flux.
     let parallax2 = emission.parallax2.at_least(0.0) * inverse_distance * inverse_distance;
-    let parallax = (parallax2 * emission.total).sqrt();
+    let parallax = (parallax2 * octet.flux).rough_sqrt();
+    let correlated = (parallax2 * emission.total).rough_sqrt();
     let spacing = 4.0 / grid.cells as f32; // rad, the longest edges
     emission.total * lobes.error
-        + emission.half_width * (lobes.at_mean + slope)
-        + parallax * slope * 1.5
-        + (parallax2 + parallax * (0.5 * spacing)) * lobes.at_mean
+        + emission.uncertainty * (lobes.at_mean + slope)
+        + correlated * slope * 1.5
+        + (parallax2 * 3.0 + parallax * (0.25 * spacing)) * (lobes.at_mean + slope)
 }

@@ -1,5 +1,7 @@
 //! Directions on the unfolded octahedron |x| + |y| + |z| = 1, and triangles of its grid.
 
+use super::eight::{Eight, Vectors};
+
 /// Vertices of a square grid over the octahedron's map −1 … 1 × −1 … 1.
 ///
 /// The faces are flat, and every triangle lies in one: on it a function that is convex and of
@@ -27,40 +29,48 @@ impl Grid {
         }
     }
 
-    /// The triangle that holds the point, which must lie on the octahedron.
+    /// The triangles that hold the points, which must lie on the octahedron.
     #[inline(always)]
-    pub fn triangle(self, [x, y, z]: [f32; 3]) -> Triangle {
-        let folded = z < 0.0;
-        let u = if folded { (1.0 - y.abs()).copysign(x) } else { x };
-        let v = if folded { (1.0 - x.abs()).copysign(y) } else { y };
+    pub fn triangles(self, [x, y, z]: &Vectors) -> Triangles {
+        let one = Eight::splat(1.0);
+        let fold = |along: Eight, other: Eight| {
+            let folded = (one - other.abs()).zip(along, f32::copysign);
+            z.below(Eight::ZERO, folded, along)
+        };
         let half = self.cells as f32 * 0.5;
-        let (i, f) = cell((u + 1.0) * half, self.cells);
-        let (j, h) = cell((v + 1.0) * half, self.cells);
+        let (i, f) = cells((fold(*x, *y) + 1.0) * half, self.cells);
+        let (j, h) = cells((fold(*y, *x) + 1.0) * half, self.cells);
         // The fold |u| + |v| = 1 runs along one diagonal in two quadrants, and along the other in
         // the other two; those are mirrored.
-        let mirrored = (i < self.cells / 2) != (j < self.cells / 2);
-        let (near, far) = if mirrored { (i + 1, i) } else { (i, i + 1) };
-        let f = if mirrored { 1.0 - f } else { f };
-        let row = self.cells + 1;
-        let lower = f + h < 1.0;
-        let corner = if lower { j * row + near } else { (j + 1) * row + far };
-        let weights = if lower { [1.0 - f - h, f, h] } else { [f + h - 1.0, 1.0 - h, 1.0 - f] };
-        Triangle { corners: [corner, j * row + far, (j + 1) * row + near], weights }
+        let middle = Eight::splat(half);
+        let side = |at: Eight| at.below(middle, Eight::ZERO, one);
+        let mirrored = (side(i) - side(j)).abs();
+        let f = f + mirrored * (f * -2.0 + 1.0);
+        let (near, far) = (i + mirrored, i + one - mirrored);
+        let lower = f + h;
+        let pick = |below: Eight, above: Eight| lower.below(one, below, above);
+        let row = (self.cells + 1) as f32;
+        let corners =
+            [pick(j * row + near, (j + 1.0) * row + far), j * row + far, (j + 1.0) * row + near];
+        let weights = [pick(one - lower, lower + -1.0), pick(f, one - h), pick(h, one - f)];
+        Triangles { corners, weights }
     }
 }
 
 /// Cell index and place in it.
 #[inline(always)]
-fn cell(at: f32, cells: usize) -> (usize, f32) {
-    let index = (at as usize).min(cells - 1);
-    (index, at - index as f32)
+fn cells(at: Eight, cells: usize) -> (Eight, Eight) {
+    const TO_INTEGER: f32 = 12_582_912.0; // 1.5 · 2²³: adding it rounds to an integer
+    let index = at.map(|v| (v - 0.5 + TO_INTEGER) - TO_INTEGER);
+    let index = index.at_least(0.0).at_most(cells as f32 - 1.0);
+    (index, at - index)
 }
 
-/// Vertex indices and their weights, which sum to 1.
+/// Of eight points: vertex indices (whole numbers) and their weights, which sum to 1.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Triangle {
-    pub corners: [usize; 3],
-    pub weights: [f32; 3],
+pub(super) struct Triangles {
+    pub corners: [Eight; 3],
+    pub weights: [Eight; 3],
 }
 
 #[cfg(test)]
@@ -78,11 +88,11 @@ mod tests {
             let l1 = x.abs() + y.abs() + z.abs();
             prop_assume!(l1 > 1e-3);
             let point = Vec3::new(x, y, z) / l1;
-            let triangle = grid.triangle(point.into());
+            let triangles = grid.triangles(&[x, y, z].map(|v| Eight::splat(v / l1)));
             let mut sum = Vec3::ZERO;
-            for (corner, weight) in triangle.corners.iter().zip(triangle.weights) {
-                prop_assert!(weight >= -1e-5);
-                sum += Vec3::from(grid.vertex(*corner)) * weight;
+            for (corner, weight) in triangles.corners.iter().zip(triangles.weights) {
+                prop_assert!(weight.0[0] >= -1e-5);
+                sum += Vec3::from(grid.vertex(corner.0[0] as usize)) * weight.0[0];
             }
             prop_assert!((sum - point).length() < 1e-5, "{sum} for {point}");
         }

@@ -1,26 +1,13 @@
-//! Emission tables: what a cell of samples sends into each direction, with moments.
-//!
-//! For a direction x, with w_i = Φ_i max(0, x·Q_i), δ_i a sample's place in the cell, H_i = 1 where
-//! x·Q_i > 0, and τ_i = δ_i·Q_i.
+//! Emission tables: moments of what a cell of samples sends into each direction of a grid.
 
 use rayon::prelude::*;
 
+use super::moments::{
+    Channels, EMISSION, GRADIENT, LIT, MEAN, MOMENTS, Moments, PAIRS, PARALLAX, PARALLAX2, SKEW,
+    SPREAD, TRIPLES, WIDE,
+};
 use super::octahedron::Grid;
-use crate::light::sum::block::{LANES, SampleGroup};
-
-/// Σ w.
-pub(super) const EMISSION: usize = 0;
-/// Σ w δ.
-pub(super) const MEAN: usize = 1;
-/// Σ w δ δᵀ: xx, yy, zz, xy, xz, yz.
-pub(super) const SPREAD: usize = 4;
-/// Σ Φ H Q, the gradient of Σ w.
-pub(super) const GRADIENT: usize = 10;
-/// Σ Φ H τ: how Σ w changes as the hit comes near.
-pub(super) const PARALLAX: usize = 13;
-/// Σ Φ H τ².
-pub(super) const PARALLAX2: usize = 14;
-pub(super) const CHANNELS: usize = 15;
+use crate::light::sum::block::{BLOCK_CAPACITY, LANES, SampleGroup};
 
 /// A cell's samples, as far as a table needs them.
 pub(super) struct CellSamples<'a> {
@@ -28,72 +15,116 @@ pub(super) struct CellSamples<'a> {
     pub blocks: Vec<(&'a [SampleGroup], [f32; 3])>,
 }
 
-/// Values of a cell: [vertex][channel].
-pub(super) fn build_table(cell: &CellSamples, grid: Grid) -> Vec<f32> {
-    let mut sums = vec![0.0f64; grid.vertices() * CHANNELS];
-    let vertices: Vec<[f32; 3]> = (0..grid.vertices()).map(|i| grid.vertex(i)).collect();
-    for (groups, shift) in &cell.blocks {
-        let terms: Vec<Terms> = groups.iter().map(|group| Terms::new(group, *shift)).collect();
-        add_block(&terms, &vertices, &mut sums);
+/// Moments of a cell by vertex; f32, since there may be thousands of cells.
+pub(super) struct RawTable(Vec<[f32; MOMENTS]>);
+
+impl RawTable {
+    pub fn from_samples(cell: &CellSamples, grid: Grid) -> RawTable {
+        let mut sums = vec![[0.0f64; MOMENTS]; grid.vertices()];
+        let vertices: Vec<[f32; 3]> = (0..grid.vertices()).map(|i| grid.vertex(i)).collect();
+        for (groups, shift) in &cell.blocks {
+            add_block(&Terms::new(groups, *shift), &vertices, &mut sums);
+        }
+        RawTable(sums.iter().map(|sums| sums.map(|sum| sum as f32)).collect())
     }
-    sums.iter().map(|sum| *sum as f32).collect()
+
+    /// Of a cell that holds others, each at `shift` from its center.
+    pub fn from_children(children: &[RawTable], shifts: &[[f64; 3]]) -> RawTable {
+        let vertices = children.first().map_or(0, |child| child.0.len());
+        let at_vertex = |vertex: usize| {
+            let mut sum = Moments::ZERO;
+            for (child, shift) in children.iter().zip(shifts) {
+                sum.add(&Moments::from_f32(&child.0[vertex]).shifted(*shift));
+            }
+            sum.0.map(|value| value as f32)
+        };
+        RawTable((0..vertices).map(at_vertex).collect())
+    }
+
+    fn finish(&self) -> impl Iterator<Item = Channels> {
+        self.0.iter().map(|moments| Moments::from_f32(moments).channels())
+    }
 }
 
-/// [octet][vertex][channel][lane] of cells in order, eight an octet.
-pub(super) fn build_tables(cells: &[CellSamples], grid: Grid) -> Vec<f32> {
-    let built: Vec<Vec<f32>> = cells.par_iter().map(|cell| build_table(cell, grid)).collect();
-    let stride = grid.vertices() * CHANNELS;
-    let mut tables = vec![0.0f32; cells.len().div_ceil(8) * stride * 8];
-    tables.par_chunks_mut(stride * 8).zip(built.par_chunks(8)).for_each(|(octet, lanes)| {
-        for (lane, values) in lanes.iter().enumerate() {
-            for (i, value) in values.iter().enumerate() {
-                octet[i * 8 + lane] = *value;
-            }
-        }
-    });
-    tables
+/// [cell][vertex].
+pub(super) fn finish_tables(raw: &[RawTable]) -> Vec<Channels> {
+    raw.par_iter().flat_map_iter(RawTable::finish).collect()
 }
 
 type Lanes = [f32; LANES];
 
-/// What sixteen samples bring into every direction.
-#[repr(align(64))]
+/// Aligned, so that no load crosses a cache line.
+#[derive(Debug, Clone, Copy)]
+#[repr(C, align(64))]
+struct Row(Lanes);
+
+/// What a block's samples bring into every direction: for each moment, the factor that stands
+/// beside w or ΦH. One array a moment, so that every sum is a plain dot product.
 struct Terms {
-    flux: [Lanes; 3],
-    offset: [Lanes; 3],
-    spread: [Lanes; 6],
-    /// Φ τ and Φ τ².
-    parallax: [Lanes; 2],
+    flux: [Vec<Row>; 3],
+    /// Without `EMISSION`, whose factor is 1.
+    factors: Vec<Vec<Row>>,
 }
 
 impl Terms {
-    fn new(group: &SampleGroup, shift: [f32; 3]) -> Terms {
-        let offset: [Lanes; 3] =
-            std::array::from_fn(|axis| group.offset[axis].map(|v| v + shift[axis]));
-        let product = |a: &Lanes, b: &Lanes| std::array::from_fn(|i| a[i] * b[i]);
-        let [x, y, z] = &offset;
-        let pairs = [(x, x), (y, y), (z, z), (x, y), (x, z), (y, z)];
-        let [qx, qy, qz] = &group.flux;
-        let parallax: Lanes = std::array::from_fn(|i| x[i] * qx[i] + y[i] * qy[i] + z[i] * qz[i]);
-        let squared: Lanes = std::array::from_fn(|i| {
-            let flux = (qx[i] * qx[i] + qy[i] * qy[i] + qz[i] * qz[i]).sqrt();
-            if flux > 0.0 { parallax[i] * (parallax[i] / flux) } else { 0.0 }
-        });
-        let spread = pairs.map(|(a, b)| product(a, b));
-        Terms { flux: group.flux, offset, spread, parallax: [parallax, squared] }
+    fn new(groups: &[SampleGroup], shift: [f32; 3]) -> Terms {
+        let offsets: Vec<[Lanes; 3]> = groups.iter().map(|group| moved(group, shift)).collect();
+        let flux = [0, 1, 2].map(|axis| groups.iter().map(|g| Row(g.flux[axis])).collect());
+        let product = |places: &[usize]| -> Vec<Row> {
+            let at = |d: &[Lanes; 3], i: usize| places.iter().map(|axis| d[*axis][i]).product();
+            offsets.iter().map(|d| Row(std::array::from_fn(|i| at(d, i)))).collect()
+        };
+        let mut factors = vec![Vec::new(); MOMENTS];
+        for axis in 0..3 {
+            factors[MEAN + axis] = product(&[axis]);
+            factors[GRADIENT + axis] = groups.iter().map(|g| Row(g.flux[axis])).collect();
+        }
+        for (i, (a, b)) in PAIRS.into_iter().enumerate() {
+            factors[SPREAD + i] = product(&[a, b]);
+        }
+        for (i, (a, b, c)) in TRIPLES.into_iter().enumerate() {
+            factors[SKEW + i] = product(&[a, b, c]);
+        }
+        let lit = groups.iter().zip(&offsets).map(|(group, d)| lit_factors(group, d));
+        for [parallax, squared, flux] in lit {
+            factors[PARALLAX].push(Row(parallax));
+            factors[PARALLAX2].push(Row(squared));
+            factors[LIT].push(Row(flux));
+        }
+        Terms { flux, factors }
     }
 }
 
-fn add_block(terms: &[Terms], vertices: &[[f32; 3]], sums: &mut [f64]) {
+/// Places relative to the cell's center.
+fn moved(group: &SampleGroup, shift: [f32; 3]) -> [Lanes; 3] {
+    std::array::from_fn(|axis| group.offset[axis].map(|v| v + shift[axis]))
+}
+
+/// Φ τ, Φ τ², Φ.
+fn lit_factors(group: &SampleGroup, offset: &[Lanes; 3]) -> [Lanes; 3] {
+    let mut factors = [[0.0; LANES]; 3];
+    for i in 0..LANES {
+        let q: [f32; 3] = std::array::from_fn(|axis| group.flux[axis][i]);
+        let flux = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2]).sqrt();
+        let parallax = offset[0][i] * q[0] + offset[1][i] * q[1] + offset[2][i] * q[2];
+        let squared = if flux > 0.0 { parallax * (parallax / flux) } else { 0.0 };
+        for (factor, value) in factors.iter_mut().zip([parallax, squared, flux]) {
+            factor[i] = value;
+        }
+    }
+    factors
+}
+
+fn add_block(terms: &Terms, vertices: &[[f32; 3]], sums: &mut [[f64; MOMENTS]]) {
     #[cfg(target_arch = "x86_64")]
     {
         use crate::light::sum::isa::{Isa, detected};
         #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw")]
-        fn with_avx512(terms: &[Terms], vertices: &[[f32; 3]], sums: &mut [f64]) {
+        fn with_avx512(terms: &Terms, vertices: &[[f32; 3]], sums: &mut [[f64; MOMENTS]]) {
             kernel(terms, vertices, sums);
         }
         #[target_feature(enable = "avx2")]
-        fn with_avx2(terms: &[Terms], vertices: &[[f32; 3]], sums: &mut [f64]) {
+        fn with_avx2(terms: &Terms, vertices: &[[f32; 3]], sums: &mut [[f64; MOMENTS]]) {
             kernel(terms, vertices, sums);
         }
         // SAFETY: each is called only after the processor has said that it has the features.
@@ -106,45 +137,66 @@ fn add_block(terms: &[Terms], vertices: &[[f32; 3]], sums: &mut [f64]) {
     kernel(terms, vertices, sums);
 }
 
+const GROUPS: usize = BLOCK_CAPACITY / LANES;
+
 #[inline(always)]
-fn kernel(terms: &[Terms], vertices: &[[f32; 3]], sums: &mut [f64]) {
-    for (x, sums) in vertices.iter().zip(sums.chunks_exact_mut(CHANNELS)) {
-        let mut lanes = [[0.0f32; LANES]; CHANNELS];
-        for term in terms {
-            add_group(term, *x, &mut lanes);
+fn kernel(terms: &Terms, vertices: &[[f32; 3]], sums: &mut [[f64; MOMENTS]]) {
+    let count = terms.flux[0].len().min(GROUPS);
+    let [qx, qy, qz] = &terms.flux;
+    let (qx, qy, qz) = (&qx[..count], &qy[..count], &qz[..count]);
+    let mut weight = [Row([0.0; LANES]); GROUPS];
+    let flux = &terms.factors[LIT][..count];
+    let mut wide = [Row([0.0; LANES]); GROUPS];
+    let mut lit = [Row([0.0; LANES]); GROUPS];
+    for (x, sums) in vertices.iter().zip(sums) {
+        let mut emission = [0.0f32; LANES];
+        let turned_away = -WIDE * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]).sqrt();
+        for g in 0..count {
+            for i in 0..LANES {
+                let toward = x[0] * qx[g].0[i] + x[1] * qy[g].0[i] + x[2] * qz[g].0[i];
+                weight[g].0[i] = if toward > 0.0 { toward } else { 0.0 };
+                lit[g].0[i] = if toward > 0.0 { 1.0 } else { 0.0 };
+                wide[g].0[i] = if toward > turned_away * flux[g].0[i] { 1.0 } else { 0.0 };
+                emission[i] += weight[g].0[i];
+            }
         }
-        for (sum, lanes) in sums.iter_mut().zip(&lanes) {
-            *sum += f64::from(fold(lanes));
-        }
+        sums[EMISSION] += f64::from(fold(&emission));
+        let (weight, lit, wide) = (&weight[..count], &lit[..count], &wide[..count]);
+        add_dots::<9>(weight, &terms.factors[MEAN..], &mut sums[MEAN..]);
+        add_dots::<4>(lit, &terms.factors[GRADIENT..], &mut sums[GRADIENT..]);
+        add_dots::<2>(wide, &terms.factors[PARALLAX2..], &mut sums[PARALLAX2..]);
+        add_dots::<10>(weight, &terms.factors[SKEW..], &mut sums[SKEW..]);
     }
 }
 
+/// The first `COUNT` moments' dot products, together so that the weights are read once.
 #[inline(always)]
-fn add_group(term: &Terms, x: [f32; 3], lanes: &mut [Lanes; CHANNELS]) {
-    for i in 0..LANES {
-        let [qx, qy, qz] = [term.flux[0][i], term.flux[1][i], term.flux[2][i]];
-        let toward = x[0] * qx + x[1] * qy + x[2] * qz;
-        let emits = toward > 0.0;
-        let w = if emits { toward } else { 0.0 };
-        lanes[EMISSION][i] += w;
-        for axis in 0..3 {
-            lanes[MEAN + axis][i] += w * term.offset[axis][i];
+fn add_dots<const COUNT: usize>(weights: &[Row], factors: &[Vec<Row>], sums: &mut [f64]) {
+    let mut lanes = [[0.0f32; LANES]; COUNT];
+    let mut rows = [&weights[..0]; COUNT];
+    for (row, factors) in rows.iter_mut().zip(factors) {
+        *row = &factors[..weights.len()];
+    }
+    for (g, Row(w)) in weights.iter().enumerate() {
+        for (sums, row) in lanes.iter_mut().zip(&rows) {
+            for i in 0..LANES {
+                sums[i] += w[i] * row[g].0[i];
+            }
         }
-        for pair in 0..6 {
-            lanes[SPREAD + pair][i] += w * term.spread[pair][i];
-        }
-        lanes[GRADIENT][i] += if emits { qx } else { 0.0 };
-        lanes[GRADIENT + 1][i] += if emits { qy } else { 0.0 };
-        lanes[GRADIENT + 2][i] += if emits { qz } else { 0.0 };
-        lanes[PARALLAX][i] += if emits { term.parallax[0][i] } else { 0.0 };
-        lanes[PARALLAX2][i] += if emits { term.parallax[1][i] } else { 0.0 };
+    }
+    for (sum, lanes) in sums.iter_mut().zip(&lanes) {
+        *sum += f64::from(fold(lanes));
     }
 }
 
 /// Pairwise, so that it takes four steps.
 #[inline(always)]
 fn fold(lanes: &Lanes) -> f32 {
-    let eight: [f32; 8] = std::array::from_fn(|i| lanes[i] + lanes[i + 8]);
-    let four: [f32; 4] = std::array::from_fn(|i| eight[i] + eight[i + 4]);
-    (four[0] + four[2]) + (four[1] + four[3])
+    let mut sums = *lanes;
+    for half in [8, 4, 2, 1] {
+        for i in 0..half {
+            sums[i] += sums[i + half];
+        }
+    }
+    sums[0]
 }

@@ -15,7 +15,7 @@ fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Arc<Mesh> {
 /// The same scene once for each kernel that this processor has.
 fn on_each_kernel(meshes: &[Arc<Mesh>]) -> Vec<Bvh> {
     let best = Bvh::build(meshes);
-    vec![best.clone().with_simd(Simd::Portable), best]
+    Simd::available().into_iter().map(|simd| best.clone().with_simd(simd)).collect()
 }
 
 /// What the tree must return, bit for bit: the f64 test on every triangle.

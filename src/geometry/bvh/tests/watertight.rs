@@ -17,7 +17,7 @@ fn no_ray_leaves_a_closed_mesh() {
     for scale in SCALES_MM {
         for center in [DVec3::ZERO, DVec3::new(0.3, -7.0, 1e3) * scale] {
             let ball = Arc::new(ball(center, scale, 24, &mut random));
-            for bvh in on_each_kernel(&[ball.clone()]) {
+            for bvh in on_each_kernel(std::slice::from_ref(&ball)) {
                 for i in 0..100_000 {
                     let inside = [0.0, 0.5][i % 2] * scale * random.in_cube();
                     let ray = aimed(center + inside, seam(&ball, &mut random));
@@ -66,7 +66,7 @@ fn a_camera_10_km_away_sees_every_seam_of_a_small_ball() {
     let mut random = Random(4);
     for scale in [1e-3, 1.0] {
         let ball = Arc::new(ball(DVec3::ZERO, scale, 24, &mut random));
-        for bvh in on_each_kernel(&[ball.clone()]) {
+        for bvh in on_each_kernel(std::slice::from_ref(&ball)) {
             for _ in 0..50_000 {
                 let eye = 1e7 * random.direction();
                 // Away from the outline, where a ray may rightly pass by: 10⁻⁹ mm is what f64

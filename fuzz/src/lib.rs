@@ -1,0 +1,28 @@
+//! Ray-file readers under fuzzing: `cargo +nightly fuzz run tm25`.
+//!
+//! Formats are told apart by content, so that each target puts its format's mark in front.
+
+use std::path::Path;
+
+use lampyris::light::rayfile;
+
+pub fn read(bytes: &[u8]) {
+    // A refusal is as good as a file; a panic is what is looked for.
+    let _ = rayfile::read_from(Path::new("fuzz"), &mut &bytes[..], bytes.len() as u64);
+}
+
+pub fn read_after(mark: &[u8], data: &[u8]) {
+    read(&[mark, data].concat());
+}
+
+/// The fields of a TM-25 header end at 288, the tables begin at 36288: the descriptions between
+/// them would only hide the rest from the fuzzer.
+pub fn read_tm25(data: &[u8]) {
+    const FIELDS: usize = 288;
+    const HEADER: usize = 36_288;
+    let (fields, rest) = data.split_at(data.len().min(FIELDS - 4));
+    let mut bytes = [b"TM25", fields].concat();
+    bytes.resize(HEADER, 0);
+    bytes.extend(rest);
+    read(&bytes);
+}

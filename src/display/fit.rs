@@ -1,0 +1,245 @@
+//! A display's model from measured ramps (Table 2).
+
+use super::curve::Curve;
+use super::model::{CHANNELS, Display, DisplayParameters};
+use crate::color::Xyz;
+use crate::error::{Error, Result};
+use crate::fit::{Estimate, Residual, Table, check_table, minimize};
+
+/// What one digit of one channel was measured to show, black included.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RampPatch {
+    /// 0 to 2ⁿ − 1.
+    pub digit: f64,
+    pub light: Light,
+}
+
+/// cd/m².
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Light {
+    Luminance(f64),
+    Xyz(Xyz),
+}
+
+impl Light {
+    fn luminance(self) -> f64 {
+        match self {
+            Self::Luminance(y) => y,
+            Self::Xyz(color) => color.y,
+        }
+    }
+}
+
+/// A display as it was measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DisplayMeasurement {
+    pub name: String,
+    /// Red, green and blue, each alone, by ascending digit; the last digit is 2ⁿ − 1.
+    pub ramps: [Vec<RampPatch>; 3],
+    /// M of eq. 6 in rows, cd/m²; `None` takes the ramps' last patches, which must then be XYZ.
+    pub matrix: Option<[[f64; 3]; 3]>,
+    /// XYZ_black of eq. 6, cd/m², which is in every patch; 0 if it was subtracted from them.
+    pub black: Xyz,
+    pub bits: u32,
+}
+
+/// The model of a measured display, and how well its curves fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DisplayFit {
+    pub display: Display,
+    pub channels: [ChannelFit; 3],
+}
+
+/// k_g and γ of a channel; k_o = 1 − k_g.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChannelFit {
+    pub gain: f64,
+    pub gamma: f64,
+    /// Standard errors, from the covariance.
+    pub gain_error: f64,
+    pub gamma_error: f64,
+    /// Root mean square residual, relative to the channel's maximum.
+    pub rms: f64,
+}
+
+/// Fits eq. 5 to each ramp's luminance by least squares under k_g + k_o = 1, black subtracted
+/// first, then normalized by the maximum.
+///
+/// Errors: [`Error::Inconsistent`] for a ramp of fewer than 3 patches, or with the row of it that
+/// is unsorted, negative, not finite, or saturated; for a ramp that does not end at full; for a
+/// matrix that is neither given nor measured; and what [`Display::new`] refuses.
+pub fn fit_display(measurement: &DisplayMeasurement) -> Result<DisplayFit> {
+    let DisplayMeasurement { name, ramps, black, bits, .. } = measurement;
+    let full = f64::from(*bits).exp2() - 1.0;
+    let mut channels = Vec::new();
+    for (ramp, channel) in ramps.iter().zip(CHANNELS) {
+        channels.push(fit_channel(&format!("display fit: {channel}"), ramp, full, black.y)?);
+    }
+    let [red, green, blue] = [channels[0], channels[1], channels[2]];
+    let curve = |fit: ChannelFit| Curve::gog(fit.gain, 1.0 - fit.gain, fit.gamma);
+    let display = Display::new(DisplayParameters {
+        name: name.clone(),
+        curves: [red, green, blue].map(curve),
+        matrix: matrix_of(measurement)?,
+        black: *black,
+        bits: *bits,
+    })?;
+    Ok(DisplayFit { display, channels: [red, green, blue] })
+}
+
+/// Fewest patches that leave a residual to k_g and γ.
+const MIN_PATCHES: usize = 3;
+
+fn fit_channel(object: &str, ramp: &[RampPatch], full: f64, black_y: f64) -> Result<ChannelFit> {
+    let rows: Vec<(f64, f64)> = ramp.iter().map(|p| (p.digit, p.light.luminance())).collect();
+    let columns = ["digit", "luminance"];
+    check_table(&Table { object, columns, min_rows: MIN_PATCHES, max_plateau: 1 }, &rows)?;
+    let (first, (last, max)) = (rows[0].0, rows[rows.len() - 1]);
+    if first < 0.0 || last != full {
+        let problem = format!("digits are {first} to {last}, allowed: 0 or above, up to {full}");
+        return Err(Error::inconsistent(object, problem));
+    }
+    if max <= black_y {
+        let problem = format!("row {}: luminance {max} is not above black's {black_y}", rows.len());
+        return Err(Error::inconsistent(object, problem));
+    }
+    let signals: Vec<f64> = rows.iter().map(|row| row.0 / full).collect();
+    let lights: Vec<f64> = rows.iter().map(|row| (row.1 - black_y) / (max - black_y)).collect();
+    let fit = minimize(object, [1.0, 2.2], rows.len(), |parameters, row| {
+        gog_residual(parameters, signals[row], lights[row])
+    })?;
+    Ok(ChannelFit::from(fit))
+}
+
+/// (k_g x + 1 − k_g)^γ − y, and its derivatives by k_g and γ.
+fn gog_residual(&[gain, gamma]: &[f64; 2], signal: f64, light: f64) -> Residual<2> {
+    let base = gain * signal + 1.0 - gain;
+    if base <= 0.0 {
+        return Residual { value: -light, gradient: [0.0; 2] };
+    }
+    let model = base.powf(gamma);
+    let by_gain = gamma * model / base * (signal - 1.0);
+    Residual { value: model - light, gradient: [by_gain, model * base.ln()] }
+}
+
+impl From<Estimate<2>> for ChannelFit {
+    fn from(fit: Estimate<2>) -> Self {
+        let ([gain, gamma], [gain_error, gamma_error]) = (fit.parameters, fit.standard_errors);
+        Self { gain, gamma, gain_error, gamma_error, rms: fit.rms }
+    }
+}
+
+fn matrix_of(measurement: &DisplayMeasurement) -> Result<[[f64; 3]; 3]> {
+    if let Some(matrix) = measurement.matrix {
+        return Ok(matrix);
+    }
+    let mut matrix = [[0.0; 3]; 3];
+    for (c, ramp) in measurement.ramps.iter().enumerate() {
+        let Some(Light::Xyz(color)) = ramp.last().map(|patch| patch.light) else {
+            return Err(Error::MissingKey {
+                object: "display fit".to_owned(),
+                key: "matrix".to_owned(),
+                expected: format!("or X, Y, Z in the last patch of {}", CHANNELS[c]),
+            });
+        };
+        let primary: [f64; 3] = (color - measurement.black).into();
+        for (row, value) in primary.into_iter().enumerate() {
+            matrix[row][c] = value;
+        }
+    }
+    Ok(matrix)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ramps that `display` would show, in `count` even steps from digit 0.
+    fn ramps(display: &Display, count: usize) -> [Vec<RampPatch>; 3] {
+        let full = f64::from(display.full_digit());
+        [0, 1, 2].map(|channel| {
+            let patch = |i: usize| {
+                let digit = full * i as f64 / (count - 1) as f64;
+                let rgb = [0, 1, 2].map(|c| {
+                    if c == channel { display.curves()[c].light(digit / full) } else { 0.0 }
+                });
+                RampPatch { digit, light: Light::Xyz(display.xyz_from_linear(rgb)) }
+            };
+            (0..count).map(patch).collect()
+        })
+    }
+
+    fn measurement(count: usize) -> DisplayMeasurement {
+        let display = Display::eizo_t766();
+        DisplayMeasurement {
+            name: "copy".to_owned(),
+            ramps: ramps(&display, count),
+            matrix: None,
+            black: display.black(),
+            bits: 8,
+        }
+    }
+
+    #[test]
+    fn a_display_is_recovered_from_its_own_ramps() {
+        for count in [4, 5, 256] {
+            let fit = fit_display(&measurement(count)).unwrap();
+            let t766 = Display::eizo_t766();
+            for (found, curve) in fit.channels.iter().zip(t766.curves()) {
+                // The data are exact.
+                assert!((found.gain - curve.gain).abs() < 1e-7, "{count}: {found:?}");
+                assert!((found.gamma - curve.gamma).abs() < 1e-6, "{count}: {found:?}");
+            }
+            let difference = fit.display.matrix() - t766.matrix();
+            assert!(difference.to_cols_array().iter().all(|d| d.abs() < 1e-10));
+        }
+    }
+
+    #[test]
+    fn luminances_need_a_matrix() {
+        let mut bare = measurement(5);
+        for patch in bare.ramps.iter_mut().flatten() {
+            patch.light = Light::Luminance(patch.light.luminance());
+        }
+        assert_eq!(
+            fit_display(&bare).unwrap_err().to_string(),
+            "display fit: missing \"matrix\", or X, Y, Z in the last patch of red"
+        );
+        bare.matrix = Some(Display::eizo_t766().matrix().transpose().to_cols_array_2d());
+        assert!(fit_display(&bare).is_ok());
+    }
+
+    #[test]
+    fn bad_ramps_are_refused_with_channel_and_row() {
+        let message = |change: fn(&mut Vec<RampPatch>)| {
+            let mut bad = measurement(5);
+            change(&mut bad.ramps[1]);
+            fit_display(&bad).unwrap_err().to_string()
+        };
+        assert_eq!(
+            message(|ramp| ramp.truncate(2)),
+            "display fit: green: has 2 rows, needs at least 3"
+        );
+        assert_eq!(
+            message(|ramp| ramp.swap(1, 2)),
+            "display fit: green: row 3: digit 63.75 follows 127.5, must ascend"
+        );
+        assert_eq!(
+            message(|ramp| ramp[2].light = Light::Luminance(f64::NAN)),
+            "display fit: green: row 3: luminance is NaN, allowed: finite, at least 0"
+        );
+        let saturated = message(|ramp| ramp[3].light = ramp[4].light);
+        let start = "display fit: green: rows 4 to 5: luminance stays at its maximum 74.78";
+        assert!(saturated.starts_with(start), "{saturated}");
+        assert_eq!(
+            message(|ramp| ramp.truncate(4)),
+            "display fit: green: digits are 0 to 191.25, allowed: 0 or above, up to 255"
+        );
+        assert_eq!(
+            message(|ramp| ramp
+                .iter_mut()
+                .for_each(|p| p.light = Light::Luminance(p.digit * 1e-4))),
+            "display fit: green: row 5: luminance 0.025500000000000002 is not above black's 0.53"
+        );
+    }
+}

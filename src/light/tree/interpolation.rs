@@ -1,0 +1,88 @@
+//! How far a table's interpolated emission is from the samples', measured while building.
+//!
+//! A table bounds the emission from both sides and uses the middle. Where the emission is smooth
+//! the middle is far better than the bounds; where it has kinks (few samples, flat emitters) it
+//! may lie on either. So every node keeps the largest distance found from the middle, relative to
+//! half the distance of the bounds there.
+
+use std::f64::consts::TAU;
+
+use super::eight::{Eight, Vectors};
+use super::moments::{Channels, EMISSION, GRADIENT};
+use super::octahedron::Grid;
+use crate::light::sum::block::{LANES, SampleGroup};
+
+/// Directions compared.
+const DIRECTIONS: usize = 128;
+
+/// The largest of a hundred is not the largest of all.
+const SAFETY: f64 = 1.5;
+
+/// Of half the bounds' distance, at most 1.
+pub(super) fn measured_error(
+    groups: &[&[SampleGroup]],
+    flux: f64,
+    table: &[Channels],
+    grid: Grid,
+) -> f64 {
+    let mut largest = 0.0f64;
+    for first in (0..DIRECTIONS).step_by(8) {
+        let directions: [[f32; 3]; 8] = std::array::from_fn(|i| direction(first + i));
+        let bounds = emission_bounds(&directions, table, grid);
+        for (direction, (low, high)) in directions.iter().zip(bounds) {
+            let exact = emission(groups, *direction);
+            let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+            // f32 rounds both sides by about 1e-7.
+            let excess = ((exact - middle).abs() - 1e-6 * flux).max(0.0);
+            largest = largest.max(excess / half.max(1e-7 * flux));
+        }
+    }
+    (SAFETY * largest + 0.05).min(1.0)
+}
+
+/// Evenly over the sphere.
+fn direction(i: usize) -> [f32; 3] {
+    const GOLDEN: f64 = 0.618_033_988_749_895;
+    let z = 1.0 - (2 * i + 1) as f64 / DIRECTIONS as f64;
+    let (sin, cos) = (TAU * GOLDEN * i as f64).sin_cos();
+    let across = (1.0 - z * z).sqrt();
+    [(across * cos) as f32, (across * sin) as f32, z as f32]
+}
+
+fn emission(groups: &[&[SampleGroup]], x: [f32; 3]) -> f64 {
+    let mut sum = 0.0;
+    for block in groups {
+        let mut lanes = [0.0f32; LANES];
+        for group in *block {
+            let [qx, qy, qz] = &group.flux;
+            for i in 0..LANES {
+                let toward = x[0] * qx[i] + x[1] * qy[i] + x[2] * qz[i];
+                lanes[i] += if toward > 0.0 { toward } else { 0.0 };
+            }
+        }
+        sum += lanes.iter().map(|lane| f64::from(*lane)).sum::<f64>();
+    }
+    sum
+}
+
+/// (tangents, interpolated) of one node in eight directions.
+fn emission_bounds(directions: &[[f32; 3]; 8], table: &[Channels], grid: Grid) -> [(f64, f64); 8] {
+    let l1 = directions.map(|d| d[0].abs() + d[1].abs() + d[2].abs());
+    let at: Vectors =
+        [0, 1, 2].map(|axis| Eight(std::array::from_fn(|i| directions[i][axis] / l1[i])));
+    let triangles = grid.triangles(&at);
+    std::array::from_fn(|lane| {
+        let interpolated = |channel: usize| -> f64 {
+            let corner = |k: usize| {
+                let vertex = triangles.corners[k].0[lane] as usize;
+                f64::from(table[vertex].0[channel] * triangles.weights[k].0[lane])
+            };
+            corner(0) + corner(1) + corner(2)
+        };
+        let high = interpolated(EMISSION) * f64::from(l1[lane]);
+        let tangent = (0..3)
+            .map(|axis| interpolated(GRADIENT + axis) * f64::from(directions[lane][axis]))
+            .sum::<f64>();
+        (tangent.min(high), high)
+    })
+}
