@@ -267,6 +267,11 @@ fn estimates_hold_for_a_filament() {
 }
 
 #[test]
+fn estimates_hold_down_to_the_coarse_grids() {
+    check("coil of 150,000", &coil(150_000), DVec3::ZERO, 3.0, 7);
+}
+
+#[test]
 fn estimates_hold_for_a_ball_of_random_samples() {
     check("ball", &ball(10_000, 2.0), DVec3::ZERO, 2.0, 56);
 }

@@ -19,6 +19,9 @@ const DARK: f64 = 1e-14;
 /// hides no such node's mean place may be missed.
 const SHADOW_LEVEL: usize = 1;
 
+/// With 0.5 instead, a reflector like model 1's took 110 nodes a hit rather than 89.
+const KEPT: f64 = 0.9;
+
 /// A node that stands for its samples.
 #[derive(Debug, Clone, Copy)]
 struct Leaf {
@@ -66,7 +69,7 @@ impl Descent<'_> {
 
     /// The error over which nodes are expanded; none once all of them are within the budget.
     ///
-    /// Nodes that stay may take half of the budget, so that their siblings' children have room.
+    /// Nodes that stay may take [`KEPT`] of the budget; the others' children have the rest.
     fn threshold(&self, state: &mut State) -> Option<f64> {
         if self.visible.is_some() {
             self.doubt_borders(state);
@@ -81,7 +84,7 @@ impl Descent<'_> {
             by_exponent[(leaf.error.to_bits() >> 23) as usize & 255] += f64::from(leaf.error);
         }
         // In the first rounds `value − error` says little; the value itself is the better guess.
-        let guess = 0.5 * budget.max(0.5 * self.light_error * value);
+        let guess = KEPT * budget.max(0.5 * self.light_error * value);
         let (mut stays, mut exponent) = (0.0, 0u32);
         while exponent < 255 && stays + by_exponent[exponent as usize] <= guess {
             stays += by_exponent[exponent as usize];

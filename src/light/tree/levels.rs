@@ -73,7 +73,7 @@ impl Levels {
         }
         let center = super::blocks::box_center(blocks.blocks.iter().map(|block| block.center));
         // The first level takes what is left over, so that all others are whole octets.
-        let first = if depth % 3 == 0 { 3 } else { depth % 3 };
+        let first = if depth.is_multiple_of(3) { 3 } else { depth % 3 };
         let bits: Vec<u32> =
             (first..=depth).step_by(3).filter(|bits| 1usize << bits <= MOST_NODES).collect();
         let mut below: Option<Nodes> = None;

@@ -71,9 +71,15 @@ impl LightTree {
         }
     }
 
-    /// Eq. 9 at a hit.
+    /// Eq. 9 at a hit; deterministic, without noise.
     ///
-    /// `light_error`: largest error relative to each of the two sums; 0 for the exact sum.
+    /// `light_error`: largest error relative to each of the two sums; 0, or less than 1e-4, for the
+    /// exact sum. The answer's estimates are at most `light_error` times the sums, or times 1e-14
+    /// of what the set could send straight at the hit where the sums are darker than that.
+    /// `visible` takes positions in mm of the world, and is asked once a node, and once a sample
+    /// where hidden and seen nodes touch; a blocker too small to hide the mean place of one of
+    /// about 64 nodes may be missed unless `light_error` is 0.
+    /// A sample at the hit itself has no direction and adds nothing.
     pub fn sum(&self, query: &HitQuery, light_error: f64, visible: Option<Visibility>) -> LightSum {
         let lobes = LobeSet::new(query.lobes, query.photometry);
         let mut sum = LightSum::default();

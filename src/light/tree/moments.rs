@@ -132,8 +132,8 @@ mod tests {
         for (w, place) in samples {
             let d: [f64; 3] = std::array::from_fn(|a| place[a] + shift[a]);
             moments.0[EMISSION] += w;
-            for a in 0..3 {
-                moments.0[MEAN + a] += w * d[a];
+            for (a, place) in d.iter().enumerate() {
+                moments.0[MEAN + a] += w * place;
             }
             for (i, (a, b)) in PAIRS.into_iter().enumerate() {
                 moments.0[SPREAD + i] += w * d[a] * d[b];

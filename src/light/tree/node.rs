@@ -387,14 +387,16 @@ fn fourth_order(cloud: &Cloud, (near_sine, far_sine): (Eight, Eight), n: f32, k:
     let hermite4 = (farthest + -6.0).larger(nearest * nearest * -1.0 + 6.0);
     let own = (hermite4 + first * far_sine * far_sine * 6.0 + far_sine * far_sine * 15.0) * (n * n)
         + 9.0 * n;
-    let derivative = own
-        + third * (4.0 * k)
+    let falling = third * (4.0 * k)
         + second * (6.0 * k * (k + 1.0))
         + first * (4.0 * k * (k + 1.0) * (k + 2.0))
         + k * (k + 1.0) * (k + 2.0) * (k + 3.0);
+    // Only displacements across the line of sight turn it; those along it enter with the sine.
+    let radial = dot(&cloud.direction, &cloud.along).at_least(0.0).smaller(cloud.trace);
+    let turning = cloud.trace - radial + radial * far_sine;
     let gap = cloud.nearness * cloud.nearness;
     let size = cloud.cone * cloud.inverse_distance;
-    derivative * cloud.trace * (size * size) * (gap * gap) * (1.0 / 24.0)
+    (own * turning + falling * cloud.trace) * (size * size) * (gap * gap) * (1.0 / 24.0)
 }
 
 /// (R/r)^k, over R² with the inverse square.

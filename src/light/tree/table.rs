@@ -152,12 +152,12 @@ fn kernel(terms: &Terms, vertices: &[[f32; 3]], sums: &mut [[f64; MOMENTS]]) {
         let mut emission = [0.0f32; LANES];
         let turned_away = -WIDE * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]).sqrt();
         for g in 0..count {
-            for i in 0..LANES {
+            for (i, emission) in emission.iter_mut().enumerate() {
                 let toward = x[0] * qx[g].0[i] + x[1] * qy[g].0[i] + x[2] * qz[g].0[i];
                 weight[g].0[i] = if toward > 0.0 { toward } else { 0.0 };
                 lit[g].0[i] = if toward > 0.0 { 1.0 } else { 0.0 };
                 wide[g].0[i] = if toward > turned_away * flux[g].0[i] { 1.0 } else { 0.0 };
-                emission[i] += weight[g].0[i];
+                *emission += weight[g].0[i];
             }
         }
         sums[EMISSION] += f64::from(fold(&emission));
