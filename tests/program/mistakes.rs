@@ -17,7 +17,10 @@ local view = L.view { width = 8, height = 8 }
 /// Beside the script.
 const FILES: [(&str, &str); 12] = [
     ("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\ng lens\nf 1 2 3\n"),
-    ("cube.obj", "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n"),
+    (
+        "cube.obj",
+        "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n",
+    ),
     ("points.obj", "v 0 0 0\nv 1 0 0\n"),
     ("wrong.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
     ("letters.obj", "v 0 zero 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
