@@ -15,7 +15,7 @@ use super::scene::{LuaScene, QUALITY_KEYS, quality, warn_of_view};
 use super::view::LuaView;
 use super::views::Views;
 use super::{fault, image};
-use crate::display::Display;
+use crate::display::{Display, GamutReport};
 use crate::error::Error;
 use crate::image::{Region, SpectralImage};
 use crate::output;
@@ -45,6 +45,8 @@ struct Plan {
     display: Display,
     regions: Vec<(String, Region)>,
     digests: Digests,
+    /// Of all views rendered so far.
+    gamut: GamutReport,
 }
 
 fn sweep(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
@@ -59,6 +61,7 @@ fn sweep(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
     let mut folder = Folder::open(&path, shard, plan.source()?)?;
     folder.set_display(sweep::display_record(&plan.display));
     let counts = plan.run(lua, views, &mut folder)?;
+    image::warn_of_gamut(&plan.host, &format!("{output}/*.png"), &plan.gamut);
     folder.set_source(plan.source()?);
     folder.finish()?;
     let table = lua.create_table()?;
@@ -89,6 +92,7 @@ impl Plan {
             display: display.map_or_else(Display::srgb, |display| Display::clone(&display.0)),
             regions: regions(options.value("regions")?)?,
             digests: Digests::default(),
+            gamut: GamutReport::default(),
         })
     }
 
@@ -184,7 +188,7 @@ impl Plan {
     }
 
     fn render(
-        &self,
+        &mut self,
         folder: &Path,
         index: usize,
         item: &Item,
@@ -201,7 +205,7 @@ impl Plan {
         let png = format!("{name}.png");
         let png_options = Options::new("sweep: png", self.png.clone(), &PNG_KEYS)?;
         let shown = save_png(&folder.join(&png), &image, &item.view, &png_options)?.image;
-        image::warn_of_gamut(&self.host, &png, &shown.gamut);
+        self.gamut = self.gamut.merge(shown.gamut);
         let xyz = image.to_xyz();
         let scale = LuminanceScale::of(&xyz);
         let luminance = sweep::luminance_name(name);
