@@ -137,10 +137,6 @@ function Mesh:save(path) end
 
 -- Materials -------------------------------------------------------------------------------------
 
----@class SpecularLobe
----@field k_s number  proportion, 0 to 1
----@field n_s number  exponent, 1 to 1e6
-
 ---@class MaterialOptions
 ---@field name? string  for messages
 ---@field reflectance? Spectrum|number  F_r, 0 to 1; default 0
@@ -208,7 +204,7 @@ local Rayset = {}
 ---@field flux? number  lm, above 0; default: the header's, else the sum of the rays
 ---@field samples? integer  keep this many rays, drawn evenly; default all
 ---@field seed? integer  of the draw, 0 to 2^53
----@field start? StartSurface|"fit"  moves the rays' starts along the rays; default: as they are
+---@field start? StartSurface  moves the rays' starts along the rays; default: as they are
 ---@field transform? Transform
 
 ---Reads a ray file: TM-25, Zemax, LightTools, ASAP, CSV, told apart by content.
@@ -485,8 +481,6 @@ function Display:digital(X, Y, Z) end
 ---@param patches number[][]|string  {{r, g, b, X, Y, Z}, …} or a file
 ---@return table  mean, max, mean_2000, max_2000, patches, verdict, …
 function Display:verify(patches) end
-
----@class DisplaySaveOptions
 
 ---@param path string  below the output folder, ending in .icc
 function Display:save(path) end

@@ -301,7 +301,7 @@ fn machines_read_lines_of_json() {
         .map(|line| serde_json::from_str(line).expect("a line of JSON"))
         .collect();
     let views = events.iter().filter(|event| event["event"] == "view");
-    assert_eq!(views.map(|event| event["view"].as_u64()).flatten().sum::<u64>(), 36);
+    assert_eq!(views.filter_map(|event| event["view"].as_u64()).sum::<u64>(), 36);
     bench.write("wrong.lua", "error('x')");
     let output = bench.run(&["run", "wrong.lua", "--log=json"]);
     let event: serde_json::Value =

@@ -14,10 +14,17 @@ function show(at) {
 links.forEach((link, at) => {
   link.querySelector("img").src = views[at].querySelector("img").src;
 });
+// A view can be named in the address, and is there after a click.
+function showAddressed() {
+  show(Math.max(0, views.findIndex((view) => `#${view.id}` === decodeURIComponent(location.hash))));
+}
+
 links.forEach((link, at) => link.addEventListener("click", (event) => {
   event.preventDefault();
+  history.replaceState(null, "", `#${views[at].id}`);
   show(at);
 }));
+addEventListener("hashchange", showAddressed);
 slider.addEventListener("input", () => show(Number(slider.value)));
 if (typeof lampyrisTimings === "object") {
   views.forEach((view) => {
@@ -27,4 +34,4 @@ if (typeof lampyrisTimings === "object") {
     }
   });
 }
-show(0);
+showAddressed();
