@@ -6,7 +6,9 @@
 mod fault;
 mod host;
 mod options;
+mod repl;
 mod sandbox;
+mod starter;
 
 mod display;
 mod display_fit;
@@ -16,9 +18,12 @@ mod light;
 mod lobe_fit;
 mod material;
 mod mesh;
+mod photometry;
 mod scene;
 mod spectrum;
+mod sweep;
 mod view;
+mod views;
 
 use std::path::Path;
 
@@ -26,6 +31,8 @@ use mlua::{Lua, Table};
 
 pub use fault::ScriptFault;
 pub use host::{Host, Settings};
+pub use repl::repl;
+pub use starter::write_starter;
 
 /// Runs a script file.
 ///
@@ -63,6 +70,8 @@ fn module(lua: &Lua) -> mlua::Result<Table> {
     view::register(lua, &module)?;
     scene::register(lua, &module)?;
     display::register(lua, &module)?;
+    sweep::register(lua, &module)?;
+    photometry::register(lua, &module)?;
     lobe_fit::register(lua, &module)?;
     fault::refuse_unknown_names(lua, &module, "lampyris")?;
     Ok(module)
