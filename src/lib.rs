@@ -26,6 +26,7 @@ pub mod error;
 pub mod fit;
 pub mod geometry;
 pub mod image;
+pub mod image_difference;
 pub mod light;
 pub mod material;
 pub mod memory;

@@ -13,7 +13,8 @@ use crate::display::{
     self, Display, DisplayImage, Exposure, Gamut, Glare, GlareReport, Rendition, Tone,
 };
 use crate::error::Error;
-use crate::image::{Region, SpectralImage};
+use crate::image::{Region, SpectralImage, XyzImage};
+use crate::image_difference::ImageDifference;
 use crate::memory;
 use crate::output;
 use crate::render::RenderStats;
@@ -32,7 +33,17 @@ struct Rendered {
     fov_deg: f64,
 }
 
-const NAMES: [&str; 7] = ["height", "luminance", "save", "spectrum", "stats", "width", "xyz"];
+const NAMES: [&str; 9] = [
+    "compare",
+    "height",
+    "luminance",
+    "luminances",
+    "save",
+    "spectrum",
+    "stats",
+    "width",
+    "xyz",
+];
 
 impl LuaImage {
     pub(super) fn new(
@@ -44,13 +55,17 @@ impl LuaImage {
         Self(Arc::new(Rendered { image, stats, build: prepared.seconds, fov_deg }))
     }
 
+    pub(super) fn xyz_image(&self) -> XyzImage {
+        self.0.image.to_xyz()
+    }
+
     /// Y of every pixel.
     pub(super) fn luminances(&self) -> Vec<f64> {
-        self.0.image.to_xyz().pixels.iter().map(|color| color.y).collect()
+        self.xyz_image().pixels.iter().map(|color| color.y).collect()
     }
 
     /// `{x =, y =, width = 1, height = 1}`, or the whole image for nil.
-    fn region(&self, options: Options) -> mlua::Result<Region> {
+    pub(super) fn region(&self, options: Options) -> mlua::Result<Region> {
         let image = &self.0.image;
         let most = |side: usize| side.max(1) as u64;
         let x = options.count("x", 0, most(image.width))?;
@@ -69,7 +84,7 @@ impl LuaImage {
     }
 }
 
-const REGION_KEYS: [&str; 4] = ["height", "width", "x", "y"];
+pub(super) const REGION_KEYS: [&str; 4] = ["height", "width", "x", "y"];
 
 impl UserData for LuaImage {
     fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
@@ -94,6 +109,21 @@ impl UserData for LuaImage {
         fault::method(methods, "luminance", |_, this: &Self, a| {
             let region = Arguments::new("image:luminance", a, 1)?.options(&REGION_KEYS)?;
             Ok(this.0.image.mean_xyz(this.region(region)?)?.y)
+        });
+        fault::method(methods, "luminances", |_, this: &Self, a| {
+            let options = Arguments::new("image:luminances", a, 1)?.options(&REGION_KEYS)?;
+            let region = this.region(options)?;
+            region.check(this.0.image.width, this.0.image.height)?;
+            let image = this.xyz_image();
+            let luminance = |(x, y): (usize, usize)| image.pixels[y * image.width + x].y;
+            Ok(region.pixels().map(luminance).collect::<Vec<_>>())
+        });
+        fault::method(methods, "compare", |lua, this: &Self, a| {
+            let value = Arguments::new("image:compare", a, 1)?.value();
+            let reference: Self =
+                options::handle("image:compare", "argument 1", &value, "an image")?;
+            let difference = ImageDifference::between(&this.0.image, &reference.0.image)?;
+            difference_table(lua, &difference)
         });
         fault::method(methods, "save", |lua, this: &Self, a| {
             save(lua, &this.0, Arguments::new("image:save", a, 2)?)
@@ -143,15 +173,36 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
     }
 }
 
-/// A PNG that was written, and what was done to its light.
-struct Shown {
-    image: DisplayImage,
+/// What a display shows, and what was done to its light.
+pub(super) struct Shown {
+    pub image: DisplayImage,
     glare: Option<GlareReport>,
 }
 
 fn save_png(target: &Path, rendered: &Rendered, options: &Options) -> mlua::Result<Shown> {
     let display = options.handle::<LuaDisplay>("display", "a display")?;
     let display = display.map_or_else(Display::srgb, |d| Arc::unwrap_or_clone(d.0));
+    let shown = present_rendered(rendered, &display, options)?;
+    let mut raster = output::display_raster(&shown.image, &display)?;
+    raster.metadata = rendered.image.metadata.clone();
+    output::write_png(target, &raster)?;
+    Ok(shown)
+}
+
+/// The digits of a picture, by the options of a PNG.
+pub(super) fn present(
+    image: &LuaImage,
+    display: &Display,
+    options: &Options,
+) -> mlua::Result<Shown> {
+    present_rendered(&image.0, display, options)
+}
+
+fn present_rendered(
+    rendered: &Rendered,
+    display: &Display,
+    options: &Options,
+) -> mlua::Result<Shown> {
     let curve = options.value("tone")?;
     let curve = curve.as_function().cloned();
     let bend = |luminance: f64| curve_value(curve.as_ref(), luminance);
@@ -175,11 +226,7 @@ fn save_png(target: &Path, rendered: &Rendered, options: &Options) -> mlua::Resu
             (seen, Some(report))
         }
     };
-    let image = display::present(&seen, &display, &rendition)?;
-    let mut raster = output::display_raster(&image, &display)?;
-    raster.metadata = rendered.image.metadata.clone();
-    output::write_png(target, &raster)?;
-    Ok(Shown { image, glare })
+    Ok(Shown { image: display::present(&seen, display, &rendition)?, glare })
 }
 
 /// `{age =, pigment =, strength =}`, or `true` for the default eye.
@@ -244,6 +291,17 @@ fn png_stats(lua: &Lua, shown: &Shown) -> mlua::Result<Table> {
     table.set("too_saturated", shown.gamut.too_saturated)?;
     table.set("mean_delta_e_2000", shown.gamut.mean_delta_e_2000)?;
     table.set("max_delta_e_2000", shown.gamut.max_delta_e_2000)?;
+    Ok(table)
+}
+
+fn difference_table(lua: &Lua, difference: &ImageDifference) -> mlua::Result<Table> {
+    let table = lua.create_table()?;
+    table.set("lit_pixels", difference.lit_pixels)?;
+    table.set("relative_rms", difference.relative_rms)?;
+    table.set("worst", difference.worst)?;
+    table.set("mean_delta_e_2000", difference.mean_delta_e_2000)?;
+    table.set("percentile_95_delta_e_2000", difference.percentile_95_delta_e_2000)?;
+    table.set("spectral_rms", difference.spectral_rms)?;
     Ok(table)
 }
 

@@ -11,11 +11,14 @@ mod sandbox;
 mod display;
 mod display_fit;
 mod emitter;
+mod figure;
+mod file;
 mod image;
 mod light;
 mod lobe_fit;
 mod material;
 mod mesh;
+mod paths;
 mod scene;
 mod spectrum;
 mod view;
@@ -64,6 +67,8 @@ fn module(lua: &Lua) -> mlua::Result<Table> {
     scene::register(lua, &module)?;
     display::register(lua, &module)?;
     lobe_fit::register(lua, &module)?;
+    figure::register(lua, &module)?;
+    file::register(lua, &module)?;
     fault::refuse_unknown_names(lua, &module, "lampyris")?;
     Ok(module)
 }
