@@ -23,6 +23,7 @@ pub mod color;
 pub mod columns;
 pub mod display;
 pub mod error;
+pub mod figure;
 pub mod fit;
 pub mod geometry;
 pub mod image;

@@ -2,10 +2,12 @@
 
 mod atomic;
 mod exr;
+mod figure;
 mod png;
 #[cfg(test)]
 pub(crate) mod scratch;
 
 pub use atomic::{write_atomically, write_csv, write_text};
 pub use exr::{ExrInfo, read_exr, read_exr_info, write_exr};
+pub use figure::{write_figure_png, write_figure_svg};
 pub use png::{ColorSpace, Raster, Samples, display_raster, write_png};

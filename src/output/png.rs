@@ -42,7 +42,7 @@ pub fn write_png(path: &Path, raster: &Raster) -> Result<()> {
     write_atomically(path, |file| encode(BufWriter::new(file), raster))
 }
 
-fn encode(out: impl io::Write, raster: &Raster) -> io::Result<()> {
+pub(super) fn encode(out: impl io::Write, raster: &Raster) -> io::Result<()> {
     let size = |pixels: usize| u32::try_from(pixels).map_err(io::Error::other);
     let mut info = ::png::Info::with_size(size(raster.width)?, size(raster.height)?);
     info.color_type = ::png::ColorType::Rgb;

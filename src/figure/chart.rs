@@ -1,0 +1,266 @@
+//! Curves and points over two axes.
+
+use plotters::prelude::DrawingBackend;
+
+use super::brush::{Anchor, Brush, MEDIUM, Point, SMALL, width_of};
+use super::raster::Rect;
+use super::ticks::{Tick, ticks};
+use super::{Axis, COLORS, Chart, Marks, Scale, Series};
+use crate::error::{Error, Result};
+
+const BLACK: [u8; 3] = [0; 3];
+const GRID: [u8; 3] = [225; 3];
+
+/// From an axis to pixels.
+struct Ruler {
+    scale: Scale,
+    /// Of the axis, after its scale.
+    range: [f64; 2],
+    /// Of the figure.
+    pixels: [f64; 2],
+}
+
+impl Ruler {
+    /// `None` for what the scale cannot show.
+    fn place(&self, value: f64) -> Option<f64> {
+        let scaled = scaled(self.scale, value)?;
+        let share = (scaled - self.range[0]) / (self.range[1] - self.range[0]);
+        Some(self.pixels[0] + share * (self.pixels[1] - self.pixels[0]))
+    }
+}
+
+fn scaled(scale: Scale, value: f64) -> Option<f64> {
+    let scaled = match scale {
+        Scale::Linear => value,
+        Scale::Log if value > 0.0 => value.log10(),
+        Scale::Log => return None,
+    };
+    scaled.is_finite().then_some(scaled)
+}
+
+/// The axis's own range, or that of `values` with a little room, after the scale.
+fn range_of(axis: &Axis, values: impl Iterator<Item = f64>) -> Result<[f64; 2]> {
+    let shown = values.filter_map(|value| scaled(axis.scale, value));
+    let given = axis.range.map(|range| range.map(|value| scaled(axis.scale, value)));
+    match given {
+        Some([Some(from), Some(to)]) if from < to => Ok([from, to]),
+        Some(_) => {
+            let problem = format!("range is {:?}, allowed: ascending, above 0 if log", axis.range);
+            Err(Error::inconsistent(&format!("figure: axis \"{}\"", axis.label), problem))
+        }
+        None => {
+            let bounds = shown.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+                [low.min(value), high.max(value)]
+            });
+            Ok(with_room(bounds))
+        }
+    }
+}
+
+fn with_room([low, high]: [f64; 2]) -> [f64; 2] {
+    if low > high {
+        return [0.0, 1.0];
+    }
+    let room = if high > low { 0.04 * (high - low) } else { 0.5 * high.abs().max(1.0) };
+    [low - room, high + room]
+}
+
+pub fn draw_chart<DB: DrawingBackend>(brush: &Brush<DB>, chart: &Chart, rect: Rect) -> Result<()> {
+    let points = || chart.series.iter().flat_map(|series| &series.points);
+    let x_range = range_of(&chart.x, points().map(|p| p[0]))?;
+    let y_range = range_of(&chart.y, points().map(|p| p[1]))?;
+    let y_ticks = ticks(chart.y.scale, unscaled(chart.y.scale, y_range), 6);
+    let widest = y_ticks.iter().map(|tick| width_of(&tick.label, SMALL)).fold(0.0, f64::max);
+    let plot = rect.inset([widest + 46.0, 36.0, 18.0, 58.0]);
+    let x = Ruler { scale: chart.x.scale, range: x_range, pixels: [plot.x, plot.right()] };
+    let y = Ruler { scale: chart.y.scale, range: y_range, pixels: [plot.bottom(), plot.y] };
+    let count = (plot.width / 90.0) as usize;
+    draw_x_axis(brush, &x, &ticks(x.scale, unscaled(x.scale, x_range), count), plot)?;
+    draw_y_axis(brush, &y, &y_ticks, plot)?;
+    let mut colors = COLORS.into_iter().cycle();
+    let mut legend = Vec::new();
+    for series in &chart.series {
+        let color = series.color.or_else(|| colors.next()).unwrap_or(BLACK);
+        draw_series(brush, series, color, [&x, &y])?;
+        legend.push((series, color));
+    }
+    brush.frame([plot.x, plot.y], [plot.right(), plot.bottom()], BLACK)?;
+    draw_legend(brush, &legend, plot)?;
+    brush.words(&chart.title, [plot.center_x(), plot.y - 8.0], Anchor::Above, MEDIUM)?;
+    let below = [plot.center_x(), plot.bottom() + 32.0];
+    brush.words(&chart.x.label, below, Anchor::Below, MEDIUM)?;
+    brush.words_upward(&chart.y.label, [rect.x + 6.0, plot.y + 0.5 * plot.height], MEDIUM)
+}
+
+fn unscaled(scale: Scale, range: [f64; 2]) -> [f64; 2] {
+    match scale {
+        Scale::Linear => range,
+        Scale::Log => range.map(|value| 10f64.powf(value)),
+    }
+}
+
+fn draw_x_axis<DB: DrawingBackend>(
+    brush: &Brush<DB>,
+    ruler: &Ruler,
+    marks: &[Tick],
+    plot: Rect,
+) -> Result<()> {
+    for tick in marks {
+        let Some(x) = ruler.place(tick.value) else { continue };
+        brush.polyline(&[[x, plot.y], [x, plot.bottom()]], GRID, 1)?;
+        brush.words(&tick.label, [x, plot.bottom() + 8.0], Anchor::Below, SMALL)?;
+    }
+    Ok(())
+}
+
+fn draw_y_axis<DB: DrawingBackend>(
+    brush: &Brush<DB>,
+    ruler: &Ruler,
+    marks: &[Tick],
+    plot: Rect,
+) -> Result<()> {
+    for tick in marks {
+        let Some(y) = ruler.place(tick.value) else { continue };
+        brush.polyline(&[[plot.x, y], [plot.right(), y]], GRID, 1)?;
+        brush.words(&tick.label, [plot.x - 8.0, y], Anchor::LeftOf, SMALL)?;
+    }
+    Ok(())
+}
+
+fn draw_series<DB: DrawingBackend>(
+    brush: &Brush<DB>,
+    series: &Series,
+    color: [u8; 3],
+    [x, y]: [&Ruler; 2],
+) -> Result<()> {
+    let place = |[px, py]: [f64; 2]| Some([x.place(px)?, y.place(py)?]);
+    let clip = Rect {
+        x: x.pixels[0],
+        y: y.pixels[1],
+        width: x.pixels[1] - x.pixels[0],
+        height: y.pixels[0] - y.pixels[1],
+    };
+    let places: Vec<Option<Point>> = series.points.iter().map(|&p| place(p)).collect();
+    if series.marks != Marks::Points {
+        draw_line(brush, &places, series.marks, color, clip)?;
+    }
+    if matches!(series.marks, Marks::Points | Marks::LineAndPoints) {
+        for &center in places.iter().flatten().filter(|p| contains(clip, **p)) {
+            brush.dot(center, color, 4)?;
+        }
+    }
+    for (point, error) in series.points.iter().zip(series.errors.iter().flatten()) {
+        let ends = [-error, *error].map(|offset| place([point[0], point[1] + offset]));
+        if let [Some(from), Some(to)] = ends
+            && let Some(bar) = clipped(from, to, clip)
+        {
+            brush.polyline(&bar, color, 1)?;
+        }
+    }
+    Ok(())
+}
+
+fn contains(rect: Rect, [x, y]: Point) -> bool {
+    (rect.x..=rect.right()).contains(&x) && (rect.y..=rect.bottom()).contains(&y)
+}
+
+/// Dashes and gaps in pixels.
+const DASH: f64 = 9.0;
+
+fn draw_line<DB: DrawingBackend>(
+    brush: &Brush<DB>,
+    places: &[Option<Point>],
+    marks: Marks,
+    color: [u8; 3],
+    clip: Rect,
+) -> Result<()> {
+    let mut walked = 0.0;
+    for pair in places.windows(2) {
+        let [Some(from), Some(to)] = pair else { continue };
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        if let Some(segment) = clipped(*from, *to, clip) {
+            match marks {
+                Marks::Dashes => {
+                    for dash in dashes(segment, walked) {
+                        brush.polyline(&dash, color, 2)?;
+                    }
+                }
+                _ => brush.polyline(&segment, color, 2)?,
+            }
+        }
+        walked += length;
+    }
+    Ok(())
+}
+
+/// The drawn parts of a segment whose line has run for `walked` pixels.
+fn dashes([from, to]: [Point; 2], walked: f64) -> Vec<[Point; 2]> {
+    let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+    let at = |s: f64| [0, 1].map(|i| from[i] + (to[i] - from[i]) * (s / length).clamp(0.0, 1.0));
+    let mut drawn = Vec::new();
+    let mut start = -(walked.rem_euclid(2.0 * DASH));
+    while start < length && length > 0.0 {
+        if start + DASH > 0.0 {
+            drawn.push([at(start), at(start + DASH)]);
+        }
+        start += 2.0 * DASH;
+    }
+    drawn
+}
+
+/// The part of a segment inside `clip` (Liang & Barsky).
+fn clipped(from: Point, to: Point, clip: Rect) -> Option<[Point; 2]> {
+    let (mut enter, mut leave) = (0.0f64, 1.0f64);
+    let bounds = [[clip.x, clip.right()], [clip.y, clip.bottom()]];
+    for (i, [low, high]) in bounds.into_iter().enumerate() {
+        let d = to[i] - from[i];
+        for (distance, step) in [(from[i] - low, -d), (high - from[i], d)] {
+            if step == 0.0 && distance < 0.0 {
+                return None;
+            }
+            if step > 0.0 {
+                leave = leave.min(distance / step);
+            } else if step < 0.0 {
+                enter = enter.max(distance / step);
+            }
+        }
+    }
+    let at = |t: f64| [0, 1].map(|i| from[i] + t * (to[i] - from[i]));
+    (enter <= leave).then(|| [at(enter), at(leave)])
+}
+
+fn draw_legend<DB: DrawingBackend>(
+    brush: &Brush<DB>,
+    series: &[(&Series, [u8; 3])],
+    plot: Rect,
+) -> Result<()> {
+    let named: Vec<_> = series.iter().filter(|(series, _)| !series.name.is_empty()).collect();
+    let widest = named.iter().map(|(s, _)| width_of(&s.name, SMALL)).fold(0.0, f64::max);
+    if named.is_empty() {
+        return Ok(());
+    }
+    let (line_height, width) = (22.0, widest + 62.0);
+    let (left, top) = (plot.right() - width - 8.0, plot.y + 8.0);
+    let bottom = top + line_height * named.len() as f64 + 8.0;
+    brush.fill([left, top], [left + width, bottom], [255; 3])?;
+    brush.frame([left, top], [left + width, bottom], [160; 3])?;
+    for (row, (series, color)) in named.into_iter().enumerate() {
+        let y = top + 4.0 + line_height * (row as f64 + 0.5);
+        let sample = [[left + 8.0, y], [left + 40.0, y]];
+        match series.marks {
+            Marks::Points => brush.dot([left + 24.0, y], *color, 4)?,
+            Marks::Dashes => {
+                for dash in dashes(sample, 0.0) {
+                    brush.polyline(&dash, *color, 2)?;
+                }
+            }
+            Marks::Line => brush.polyline(&sample, *color, 2)?,
+            Marks::LineAndPoints => {
+                brush.polyline(&sample, *color, 2)?;
+                brush.dot([left + 24.0, y], *color, 4)?;
+            }
+        }
+        brush.words(&series.name, [left + 50.0, y], Anchor::RightOf, SMALL)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,103 @@
+//! Figures as PNG and SVG files.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use super::atomic::write_text;
+use super::png::{ColorSpace, Raster, Samples, encode, write_png};
+use crate::error::{Error, Result};
+use crate::figure::{Figure, PlacedRaster, to_pixels, to_svg};
+use crate::image::Metadata;
+
+/// Errors: [`Error::Io`], and [`Error::Inconsistent`] for a figure that cannot be drawn.
+pub fn write_figure_png(path: &Path, figure: &Figure) -> Result<()> {
+    let pixels = to_pixels(figure)?;
+    write_png(path, &raster(figure.width as usize, figure.height as usize, pixels.as_flattened()))
+}
+
+/// Pictures are embedded as PNG; errors as [`write_figure_png`].
+pub fn write_figure_svg(path: &Path, figure: &Figure) -> Result<()> {
+    let svg = to_svg(figure)?;
+    let mut pictures = String::new();
+    for placed in &svg.rasters {
+        pictures += &picture(placed).map_err(|e| Error::io(path, e))?;
+    }
+    write_text(path, &svg.text.replacen("</svg>", &(pictures + "</svg>"), 1))
+}
+
+fn raster(width: usize, height: usize, rgb: &[u8]) -> Raster<'_> {
+    let samples = Samples::Eight(Cow::Borrowed(rgb));
+    Raster { width, height, samples, color_space: ColorSpace::Srgb, metadata: Metadata::new() }
+}
+
+fn picture(placed: &PlacedRaster) -> std::io::Result<String> {
+    let (panel, place) = (placed.panel, placed.place);
+    let mut png = Vec::new();
+    encode(&mut png, &raster(panel.width, panel.height, panel.pixels.as_flattened()))?;
+    Ok(format!(
+        "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" image-rendering=\"optimizeSpeed\" \
+         href=\"data:image/png;base64,{}\"/>\n",
+        place.x,
+        place.y,
+        place.width,
+        place.height,
+        base64(&png)
+    ))
+}
+
+/// Source: RFC 4648, section 4.
+fn base64(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for chunk in bytes.chunks(3) {
+        let byte = |i: usize| u32::from(chunk.get(i).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for i in 0..4 {
+            let digit = DIGITS[(bits >> (18 - 6 * i) & 63) as usize];
+            text.push(if i <= chunk.len() { char::from(digit) } else { '=' });
+        }
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::{Panel, RasterPanel};
+    use crate::output::scratch::Scratch;
+
+    #[test]
+    #[ignore = "writes a figure to look at"]
+    fn look() {
+        let figure = crate::figure::tests_figure();
+        write_figure_png(Path::new("/tmp/fig.png"), &figure).unwrap();
+        write_figure_svg(Path::new("/tmp/fig.svg"), &figure).unwrap();
+    }
+
+    #[test]
+    fn base64_is_that_of_the_rfc() {
+        // RFC 4648, section 10.
+        for (text, coded) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foobar", "Zm9vYmFy")] {
+            assert_eq!(base64(text.as_bytes()), coded);
+        }
+    }
+
+    #[test]
+    fn both_files_hold_the_picture() {
+        let scratch = Scratch::new();
+        let panel = RasterPanel {
+            title: "two".to_owned(),
+            width: 2,
+            height: 1,
+            pixels: vec![[255, 0, 0], [0, 0, 255]],
+            scale_bar: None,
+        };
+        let figure = Figure::new(Panel::Raster(panel));
+        write_figure_png(&scratch.path("f.png"), &figure).unwrap();
+        write_figure_svg(&scratch.path("f.svg"), &figure).unwrap();
+        let svg = std::fs::read_to_string(scratch.path("f.svg")).unwrap();
+        assert!(svg.contains("href=\"data:image/png;base64,iVBORw0KGgo"), "{svg}");
+        assert!(svg.trim_end().ends_with("</svg>"));
+        assert!(std::fs::read(scratch.path("f.png")).unwrap().starts_with(b"\x89PNG"));
+    }
+}
