@@ -32,8 +32,7 @@ local function lights(built, lit)
   return list
 end
 
-local function render(objects, built, shot)
-  local scene = lampyris.scene { objects = objects, lights = lights(built, shot.lit) }
+local function render(scene, shot)
   local view = lampyris.view {
     azimuth = shot.azimuth or 0,
     distance = 3000,
@@ -64,9 +63,12 @@ function model.render(options)
   print(("%s: %d triangles"):format(options.name, built.triangle_count))
   local objects = lamp.objects(built, options.lens)
   local images = {}
+  local scenes = {} -- one for all shots of the same burning bulbs
   for _, shot in ipairs(options.shots) do
     local name = options.name .. "_" .. shot.name
-    local image = render(objects, built, shot)
+    scenes[shot.lit] = scenes[shot.lit]
+      or lampyris.scene { objects = objects, lights = lights(built, shot.lit) }
+    local image = render(scenes[shot.lit], shot)
     print(("%s: %.1f s"):format(name, image.stats.seconds))
     image:save(name .. ".exr")
     save_pngs(image, name, shot.white)

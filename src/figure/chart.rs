@@ -74,7 +74,7 @@ pub fn draw_chart<DB: DrawingBackend>(brush: &Brush<DB>, chart: &Chart, rect: Re
     let plot = rect.inset([widest + 46.0, 36.0, 18.0, 58.0]);
     let x = Ruler { scale: chart.x.scale, range: x_range, pixels: [plot.x, plot.right()] };
     let y = Ruler { scale: chart.y.scale, range: y_range, pixels: [plot.bottom(), plot.y] };
-    let count = (plot.width / 90.0) as usize;
+    let count = (plot.width / 70.0) as usize;
     draw_x_axis(brush, &x, &ticks(x.scale, unscaled(x.scale, x_range), count), plot)?;
     draw_y_axis(brush, &y, &y_ticks, plot)?;
     let mut colors = COLORS.into_iter().cycle();
@@ -85,7 +85,8 @@ pub fn draw_chart<DB: DrawingBackend>(brush: &Brush<DB>, chart: &Chart, rect: Re
         legend.push((series, color));
     }
     brush.frame([plot.x, plot.y], [plot.right(), plot.bottom()], BLACK)?;
-    draw_legend(brush, &legend, plot)?;
+    let placed = points().filter_map(|p| Some([x.place(p[0])?, y.place(p[1])?]));
+    draw_legend(brush, &legend, plot, &placed.collect::<Vec<_>>())?;
     brush.words(&chart.title, [plot.center_x(), plot.y - 8.0], Anchor::Above, MEDIUM)?;
     let below = [plot.center_x(), plot.bottom() + 32.0];
     brush.words(&chart.x.label, below, Anchor::Below, MEDIUM)?;
@@ -175,22 +176,42 @@ fn draw_line<DB: DrawingBackend>(
     clip: Rect,
 ) -> Result<()> {
     let mut walked = 0.0;
+    let mut run: Vec<Point> = Vec::new();
     for pair in places.windows(2) {
         let [Some(from), Some(to)] = pair else { continue };
-        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
         if let Some(segment) = clipped(*from, *to, clip) {
             match marks {
-                Marks::Dashes => {
-                    for dash in dashes(segment, walked) {
-                        brush.polyline(&dash, color, 2)?;
-                    }
-                }
-                _ => brush.polyline(&segment, color, 2)?,
+                Marks::Dashes => draw_dashes(brush, segment, walked, color)?,
+                _ => extend_run(brush, &mut run, segment, color)?,
             }
         }
-        walked += length;
+        walked += (to[0] - from[0]).hypot(to[1] - from[1]);
     }
+    brush.polyline(&run, color, 2)
+}
+
+/// Adds a segment to the run that it continues; draws a run that it does not.
+fn extend_run<DB: DrawingBackend>(
+    brush: &Brush<DB>,
+    run: &mut Vec<Point>,
+    [from, to]: [Point; 2],
+    color: [u8; 3],
+) -> Result<()> {
+    if run.last() != Some(&from) {
+        brush.polyline(run, color, 2)?;
+        *run = vec![from];
+    }
+    run.push(to);
     Ok(())
+}
+
+fn draw_dashes<DB: DrawingBackend>(
+    brush: &Brush<DB>,
+    segment: [Point; 2],
+    walked: f64,
+    color: [u8; 3],
+) -> Result<()> {
+    dashes(segment, walked).iter().try_for_each(|dash| brush.polyline(dash, color, 2))
 }
 
 /// The drawn parts of a segment whose line has run for `walked` pixels.
@@ -233,27 +254,25 @@ fn draw_legend<DB: DrawingBackend>(
     brush: &Brush<DB>,
     series: &[(&Series, [u8; 3])],
     plot: Rect,
+    points: &[Point],
 ) -> Result<()> {
     let named: Vec<_> = series.iter().filter(|(series, _)| !series.name.is_empty()).collect();
     let widest = named.iter().map(|(s, _)| width_of(&s.name, SMALL)).fold(0.0, f64::max);
     if named.is_empty() {
         return Ok(());
     }
-    let (line_height, width) = (22.0, widest + 62.0);
-    let (left, top) = (plot.right() - width - 8.0, plot.y + 8.0);
-    let bottom = top + line_height * named.len() as f64 + 8.0;
-    brush.fill([left, top], [left + width, bottom], [255; 3])?;
-    brush.frame([left, top], [left + width, bottom], [160; 3])?;
+    let line_height = 22.0;
+    let size = [widest + 62.0, line_height * named.len() as f64 + 8.0];
+    let place = emptiest_corner(plot, size, points);
+    let (left, top) = (place.x, place.y);
+    brush.fill([left, top], [place.right(), place.bottom()], [255; 3])?;
+    brush.frame([left, top], [place.right(), place.bottom()], [160; 3])?;
     for (row, (series, color)) in named.into_iter().enumerate() {
         let y = top + 4.0 + line_height * (row as f64 + 0.5);
         let sample = [[left + 8.0, y], [left + 40.0, y]];
         match series.marks {
             Marks::Points => brush.dot([left + 24.0, y], *color, 4)?,
-            Marks::Dashes => {
-                for dash in dashes(sample, 0.0) {
-                    brush.polyline(&dash, *color, 2)?;
-                }
-            }
+            Marks::Dashes => draw_dashes(brush, sample, 0.0, *color)?,
             Marks::Line => brush.polyline(&sample, *color, 2)?,
             Marks::LineAndPoints => {
                 brush.polyline(&sample, *color, 2)?;
@@ -263,4 +282,46 @@ fn draw_legend<DB: DrawingBackend>(
         brush.words(&series.name, [left + 50.0, y], Anchor::RightOf, SMALL)?;
     }
     Ok(())
+}
+
+/// The corner of `plot` in which a box of `size` covers the fewest points; the upper right if
+/// none is better.
+fn emptiest_corner(plot: Rect, [width, height]: [f64; 2], points: &[Point]) -> Rect {
+    let (left, right) = (plot.x + 8.0, plot.right() - width - 8.0);
+    let (top, bottom) = (plot.y + 8.0, plot.bottom() - height - 8.0);
+    let corners = [(right, top), (left, top), (right, bottom), (left, bottom)];
+    let boxes = corners.map(|(x, y)| Rect { x, y, width, height });
+    let covered = |corner: &Rect| points.iter().filter(|p| contains(*corner, **p)).count();
+    boxes.into_iter().min_by_key(covered).unwrap_or(boxes[0])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOX: Rect = Rect { x: 0.0, y: 0.0, width: 100.0, height: 50.0 };
+
+    #[test]
+    fn segments_end_at_the_frame() {
+        assert_eq!(clipped([-50.0, 25.0], [150.0, 25.0], BOX), Some([[0.0, 25.0], [100.0, 25.0]]));
+        assert_eq!(clipped([10.0, 10.0], [10.0, 90.0], BOX), Some([[10.0, 10.0], [10.0, 50.0]]));
+        assert_eq!(clipped([-5.0, 0.0], [-5.0, 50.0], BOX), None);
+        assert_eq!(clipped([-10.0, 40.0], [10.0, 70.0], BOX), None);
+    }
+
+    #[test]
+    fn dashes_go_on_from_segment_to_segment() {
+        let drawn = dashes([[0.0, 0.0], [20.0, 0.0]], 0.0);
+        assert_eq!(drawn, [[[0.0, 0.0], [9.0, 0.0]], [[18.0, 0.0], [20.0, 0.0]]]);
+        let drawn = dashes([[0.0, 0.0], [20.0, 0.0]], 20.0);
+        assert_eq!(drawn, [[[0.0, 0.0], [7.0, 0.0]], [[16.0, 0.0], [20.0, 0.0]]]);
+    }
+
+    #[test]
+    fn the_legend_goes_where_no_points_are() {
+        let points = [[80.0, 12.0], [80.0, 35.0]];
+        let corner = emptiest_corner(BOX, [20.0, 10.0], &points);
+        assert_eq!((corner.x, corner.y), (8.0, 8.0));
+        assert_eq!(emptiest_corner(BOX, [20.0, 10.0], &[]).x, 72.0);
+    }
 }

@@ -77,7 +77,7 @@ fn draw<DB: DrawingBackend>(figure: &Figure, backend: DB) -> Result<Vec<PlacedRa
 }
 
 #[cfg(test)]
-pub mod tests {
+mod tests {
     use super::*;
     use crate::figure::{Axis, Chart, Marks, RasterPanel, Scale, ScaleBar, SegmentsPanel, Series};
 
@@ -95,7 +95,7 @@ pub mod tests {
         }
     }
 
-    pub fn figure() -> Figure {
+    fn figure() -> Figure {
         let pixels = (0..64 * 48).map(|i| [(i % 64 * 4) as u8, (i / 64 * 5) as u8, 99]).collect();
         let raster = RasterPanel {
             title: "luminance".to_owned(),

@@ -150,8 +150,3 @@ pub struct SegmentsPanel {
     pub azimuth_deg: f64,
     pub elevation_deg: f64,
 }
-
-#[cfg(test)]
-pub fn tests_figure() -> Figure {
-    draw::tests::figure()
-}

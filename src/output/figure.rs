@@ -75,14 +75,6 @@ mod tests {
     use crate::output::scratch::Scratch;
 
     #[test]
-    #[ignore = "writes a figure to look at"]
-    fn look() {
-        let figure = crate::figure::tests_figure();
-        write_figure_png(Path::new("/tmp/fig.png"), &figure).unwrap();
-        write_figure_svg(Path::new("/tmp/fig.svg"), &figure).unwrap();
-    }
-
-    #[test]
     fn base64_is_that_of_the_rfc() {
         // RFC 4648, section 10.
         for (text, coded) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foobar", "Zm9vYmFy")] {

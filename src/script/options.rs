@@ -158,10 +158,6 @@ impl Options {
         }
     }
 
-    pub fn required_text(&self, key: &str, expected: &str) -> mlua::Result<String> {
-        self.text(key)?.ok_or_else(|| self.missing(key, expected))
-    }
-
     /// One of a fixed set of words.
     pub fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> mlua::Result<Option<T>> {
         let Some(word) = self.text(key)? else {

@@ -1,11 +1,10 @@
 //! The reference scenes, run as scripts, against spectra computed by brute force in f64.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::path::Path;
 
 use lampyris::output::read_exr;
-use lampyris::progress::Verbosity;
-use lampyris::script::{self, Settings};
+
+use crate::stage::{run_script, scratch};
 
 /// The 64-bit reference and ours differ by f32 light samples and f32 images.
 const RELATIVE: f64 = 1e-4;
@@ -20,23 +19,13 @@ fn goldens_agree_with_the_reference() {
         [("reflector", &[0, 6][..]), ("lens", &[0, 60, 85]), ("absolute", &[6, 45])]
     {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/goldens").join(case);
-        let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("goldens").join(case);
-        run(&folder.join("case.lua"), out.clone());
+        let out = scratch("goldens").join(case);
+        run_script(&folder.join("case.lua"), &out, &[]);
         for azimuth in azimuths {
             let image = out.join(format!("{case}_{azimuth}.exr"));
             compare(&image, &folder.join(format!("expected_az{azimuth}.csv")));
         }
     }
-}
-
-fn run(script: &Path, out: PathBuf) {
-    let settings = Settings {
-        out,
-        verbosity: Verbosity::Quiet,
-        arguments: Vec::new(),
-        interrupted: Arc::default(),
-    };
-    script::run(script, settings).expect("the case runs");
 }
 
 fn compare(image: &Path, expected: &Path) {

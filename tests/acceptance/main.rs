@@ -3,4 +3,5 @@
 mod closed_cases;
 mod determinism;
 mod goldens;
+mod lens_colors;
 mod stage;

@@ -1,5 +1,6 @@
 //! Small scenes, built without a script.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use lampyris::Result;
@@ -7,8 +8,10 @@ use lampyris::geometry::{DVec3, Mesh};
 use lampyris::image::SpectralImage;
 use lampyris::light::{Photometry, RaySample, RaySet};
 use lampyris::material::{Lobes, Material, SpecularLobe};
+use lampyris::progress::Verbosity;
 use lampyris::render::{Quality, Samples, Unwatched, render};
 use lampyris::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
+use lampyris::script::{self, Settings};
 use lampyris::shading::TraceLimits;
 use lampyris::spectrum::{Spectrum, WavelengthGrid};
 use lampyris::view::View;
@@ -104,4 +107,20 @@ pub fn shoot_prepared(prepared: &Prepared, view: &View, quality: &Quality) -> Sp
 pub fn assert_close(value: f64, expected: f64, relative: f64, what: &str) {
     let error = (value / expected - 1.0).abs();
     assert!(error <= relative, "{what}: {value}, expected {expected}, off by {error:e}");
+}
+
+/// A folder of a test's own.
+pub fn scratch(test: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(test)
+}
+
+/// Runs a script that must succeed.
+pub fn run_script(script: &Path, out: &Path, arguments: &[&str]) {
+    let settings = Settings {
+        out: out.to_owned(),
+        verbosity: Verbosity::Quiet,
+        arguments: arguments.iter().map(|&a| a.to_owned()).collect(),
+        interrupted: Arc::default(),
+    };
+    script::run(script, settings).expect("the script runs");
 }

@@ -9,6 +9,7 @@ use super::interpolation::measured_error;
 use super::moments::Channels;
 use super::octahedron::Grid;
 use super::table::{CellSamples, RawTable, finish_tables};
+use crate::light::sum::block::Block;
 
 /// Sets of fewer blocks (about 2000 samples) are summed as fast without tables.
 const FEWEST_BLOCKS_DEPTH: u32 = 3;
@@ -58,6 +59,8 @@ impl Level {
 pub(super) struct Levels {
     pub levels: Vec<Level>,
     pub center: DVec3,
+    /// Of a sphere about `center` that holds the samples.
+    pub radius: f64,
     /// Σ flux.
     pub flux: f64,
 }
@@ -70,7 +73,7 @@ impl Levels {
         }
         let center = super::blocks::box_center(blocks.blocks.iter().map(|block| block.center));
         // The first level takes what is left over, so that all others are whole octets.
-        let first = if depth % 3 == 0 { 3 } else { depth % 3 };
+        let first = if depth.is_multiple_of(3) { 3 } else { depth % 3 };
         let bits: Vec<u32> =
             (first..=depth).step_by(3).filter(|bits| 1usize << bits <= MOST_NODES).collect();
         let mut below: Option<Nodes> = None;
@@ -83,7 +86,9 @@ impl Levels {
         levels.reverse();
         let flux =
             levels.first()?.octets.iter().flat_map(|octet| octet.flux.0).map(f64::from).sum();
-        Some(Levels { levels, center, flux })
+        let reach = |block: &Block| block.center.distance(center) + block.radius;
+        let radius = blocks.blocks.iter().map(reach).fold(0.0, f64::max);
+        Some(Levels { levels, center, radius, flux })
     }
 
     pub fn memory_bytes(&self) -> usize {
@@ -174,7 +179,7 @@ fn cell_samples<'a>(
     count: usize,
     place: &Place,
 ) -> CellSamples<'a> {
-    let shifted = |block: &'a crate::light::sum::block::Block| {
+    let shifted = |block: &'a Block| {
         let shift = block.center - place.center;
         (blocks.groups_of(block), shift.as_vec3().into())
     };

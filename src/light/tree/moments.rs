@@ -13,13 +13,17 @@ pub(super) const SPREAD: usize = 4;
 pub(super) const GRADIENT: usize = 10;
 /// Σ Φ H τ: how Σ w changes as the hit comes near.
 pub(super) const PARALLAX: usize = 13;
-/// Σ Φ H τ².
+/// Σ Φ τ² where x·Q > −[`WIDE`]: of all samples that a near hit may find turned to it.
 pub(super) const PARALLAX2: usize = 14;
-/// Σ Φ H; only while building.
+/// Σ Φ of the same samples; only while building.
 pub(super) const LIT: usize = 15;
 /// Σ w δ δ δ, in the order of [`TRIPLES`]; only while building.
 pub(super) const SKEW: usize = 16;
 pub(super) const MOMENTS: usize = 26;
+
+/// Sine of the angle by which a sample may be turned away and still count in [`PARALLAX2`]: more
+/// than a node's radius over its distance from any hit that uses its table.
+pub(super) const WIDE: f32 = 0.35;
 
 /// What a finished table has instead of `LIT` and `SKEW`: the norm of the third central moment.
 pub(super) const SKEWNESS: usize = 15;
@@ -65,7 +69,7 @@ impl Moments {
 
     /// About a place that lies at −`by` of the present one: every δ grows by `by`.
     ///
-    /// `PARALLAX2` becomes an upper bound, since Σ Φ H Q Qᵀ is not kept.
+    /// `PARALLAX2` becomes an upper bound, since Σ Φ Q Qᵀ is not kept.
     pub fn shifted(&self, by: [f64; 3]) -> Moments {
         let old = &self.0;
         let mut new = *old;
@@ -128,8 +132,8 @@ mod tests {
         for (w, place) in samples {
             let d: [f64; 3] = std::array::from_fn(|a| place[a] + shift[a]);
             moments.0[EMISSION] += w;
-            for a in 0..3 {
-                moments.0[MEAN + a] += w * d[a];
+            for (a, place) in d.iter().enumerate() {
+                moments.0[MEAN + a] += w * place;
             }
             for (i, (a, b)) in PAIRS.into_iter().enumerate() {
                 moments.0[SPREAD + i] += w * d[a] * d[b];

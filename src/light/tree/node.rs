@@ -52,12 +52,17 @@ pub(super) struct NodeSums {
 }
 
 /// Radius over distance from which a node is too near for its table.
-const NEAREST: f32 = 0.4;
+const NEAREST: f32 = 0.3;
 
 /// A Taylor remainder weighs the derivative at t of the way to a sample with 4 (1 − t)³, 1/5 on
-/// average. For a derivative that grows as e^(at), this is less than its value at 0.4 up to a = 10;
-/// beyond, the bound by the lobe's largest value is smaller.
+/// average. For a derivative that grows as e^(at), this is less than its value at 0.4 up to a = 10.
 const INWARD: f32 = 0.4;
+
+/// Beyond this a, only the lobe's largest value bounds what a few samples near the axis send.
+const STEEPEST: f32 = 8.0;
+
+/// Of directions in f32, rad.
+const ROUNDING: f32 = 4e-7;
 
 /// A lobe below e^−40 is not worth an expansion; its bound then is this fraction of its weight.
 const NEGLIGIBLE_EXPONENT: f32 = 40.0;
@@ -75,9 +80,15 @@ pub(super) fn eval_octet(
         fn with_avx2(octet: &Octet, table: (Grid, &[Channels]), query: &NodeQuery) -> NodeSums {
             kernel(octet, table, query)
         }
-        if detected() != Isa::Plain {
-            // SAFETY: the processor has said that it has AVX2.
-            return unsafe { with_avx2(octet, (grid, table), query) };
+        #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw")]
+        fn with_avx512(octet: &Octet, table: (Grid, &[Channels]), query: &NodeQuery) -> NodeSums {
+            kernel(octet, table, query)
+        }
+        // SAFETY: each is called only after the processor has said that it has the features.
+        match detected() {
+            Isa::Avx512 => return unsafe { with_avx512(octet, (grid, table), query) },
+            Isa::Avx2 => return unsafe { with_avx2(octet, (grid, table), query) },
+            Isa::Plain => {}
         }
     }
     kernel(octet, (grid, table), query)
@@ -95,9 +106,12 @@ fn kernel(octet: &Octet, (grid, table): (Grid, &[Channels]), query: &NodeQuery) 
     let falloff = falloff(&cloud, inverse_distance, query.inverse_square);
     let parallax = emission.parallax * inverse_distance;
     let value = ((emission.middle - parallax) * lobes.value * falloff).at_least(0.0);
-    let error = falloff * total_error(&emission, &cloud, &lobes, (inverse_distance, grid));
+    let error = falloff * total_error(&emission, &cloud, &lobes, (octet, inverse_distance, grid));
 
-    let far_error = error + value * 1e-6;
+    // f32 rounds the hit's and the node's places by their size.
+    let size = dot(&octet.center, &octet.center).rough_sqrt();
+    let turn = (size * inverse_distance + 1.0) * ROUNDING;
+    let far_error = error + value * 2e-6 + emission.total * lobes.slope * falloff * turn;
     let limit = Eight::splat(NEAREST);
     let near_error = near_bound(octet, inverse_distance, query);
     // All samples on the other side, or none at all.
@@ -301,11 +315,13 @@ fn add_lobe(
     let inward = cloud.chord * INWARD;
     let (near_sine, far_sine) = ((sine - inward).at_least(0.0), (sine + inward).at_most(1.0));
     let inner = Eight::cosine_power_bound(near_sine * near_sine, exponent);
-    let third = at_mean * tmpw()[6] * third_order(cloud, sine, n, k);
-    let fourth = inner * tmpw()[7] * fourth_order(cloud, (near_sine, far_sine), n, k);
+    let third = at_mean * third_order(cloud, sine, n, k);
+    let fourth = inner * fourth_order(cloud, (near_sine, far_sine), n, k);
     // Where the lobe ends (its horizon) it has no derivatives; the bound is its largest value.
     let smooth_from = (cloud.chord * 1.5).at_least(0.05);
+    let growth = (sine2 - near_sine2) * (0.5 * n);
     let smooth = smooth_from.below(cos, (third + fourth).smaller(largest), largest);
+    let smooth = growth.below(Eight::splat(STEEPEST), smooth, largest);
     let error = straddles(largest, smooth);
     let second = second_order(cloud, (&across, cos), n, k);
     let value = (at_mean * (second + 1.0)).at_least(0.0).smaller(largest);
@@ -371,14 +387,16 @@ fn fourth_order(cloud: &Cloud, (near_sine, far_sine): (Eight, Eight), n: f32, k:
     let hermite4 = (farthest + -6.0).larger(nearest * nearest * -1.0 + 6.0);
     let own = (hermite4 + first * far_sine * far_sine * 6.0 + far_sine * far_sine * 15.0) * (n * n)
         + 9.0 * n;
-    let derivative = own
-        + third * (4.0 * k)
+    let falling = third * (4.0 * k)
         + second * (6.0 * k * (k + 1.0))
         + first * (4.0 * k * (k + 1.0) * (k + 2.0))
         + k * (k + 1.0) * (k + 2.0) * (k + 3.0);
+    // Only displacements across the line of sight turn it; those along it enter with the sine.
+    let radial = dot(&cloud.direction, &cloud.along).at_least(0.0).smaller(cloud.trace);
+    let turning = cloud.trace - radial + radial * far_sine;
     let gap = cloud.nearness * cloud.nearness;
     let size = cloud.cone * cloud.inverse_distance;
-    derivative * cloud.trace * (size * size) * (gap * gap) * (1.0 / 24.0)
+    (own * turning + falling * cloud.trace) * (size * size) * (gap * gap) * (1.0 / 24.0)
 }
 
 /// (R/r)^k, over R² with the inverse square.
@@ -393,26 +411,17 @@ fn total_error(
     emission: &Emission,
     cloud: &Cloud,
     lobes: &LobeSums,
-    (inverse_distance, grid): (Eight, Grid),
+    (octet, inverse_distance, grid): (&Octet, Eight, Grid),
 ) -> Eight {
     let width = cloud.trace.rough_sqrt() * cloud.inverse_distance;
     let slope = lobes.slope * width;
-    // √(Σ Φ H τ² · Σ w)/R
+    // Σ Φ τ²/R², and the root mean square of τ/R times the flux.
     let parallax2 = emission.parallax2.at_least(0.0) * inverse_distance * inverse_distance;
-    let parallax = (parallax2 * emission.total).rough_sqrt();
+    let parallax = (parallax2 * octet.flux).rough_sqrt();
+    let correlated = (parallax2 * emission.total).rough_sqrt();
     let spacing = 4.0 / grid.cells as f32; // rad, the longest edges
-    let w = tmpw();
-    emission.total * lobes.error * w[0]
-        + emission.uncertainty * (lobes.at_mean * w[1] + slope * w[2])
-        + parallax * slope * 1.5 * w[3]
-        + (parallax2 * w[4] + parallax * (0.5 * spacing * w[5])) * lobes.at_mean
-}
-
-pub fn tmpw() -> &'static [f32; 8] {
-    static W: std::sync::OnceLock<[f32; 8]> = std::sync::OnceLock::new();
-    W.get_or_init(|| {
-        let s = std::env::var("W").unwrap_or("1,1,1,1,1,1,1,1".into());
-        let v: Vec<f32> = s.split(',').map(|x| x.parse().unwrap()).collect();
-        std::array::from_fn(|i| v[i])
-    })
+    emission.total * lobes.error
+        + emission.uncertainty * (lobes.at_mean + slope)
+        + correlated * slope * 1.5
+        + (parallax2 * 3.0 + parallax * (0.25 * spacing)) * (lobes.at_mean + slope)
 }

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::moments::{
     Channels, EMISSION, GRADIENT, LIT, MEAN, MOMENTS, Moments, PAIRS, PARALLAX, PARALLAX2, SKEW,
-    SPREAD, TRIPLES,
+    SPREAD, TRIPLES, WIDE,
 };
 use super::octahedron::Grid;
 use crate::light::sum::block::{BLOCK_CAPACITY, LANES, SampleGroup};
@@ -145,21 +145,26 @@ fn kernel(terms: &Terms, vertices: &[[f32; 3]], sums: &mut [[f64; MOMENTS]]) {
     let [qx, qy, qz] = &terms.flux;
     let (qx, qy, qz) = (&qx[..count], &qy[..count], &qz[..count]);
     let mut weight = [Row([0.0; LANES]); GROUPS];
+    let flux = &terms.factors[LIT][..count];
+    let mut wide = [Row([0.0; LANES]); GROUPS];
     let mut lit = [Row([0.0; LANES]); GROUPS];
     for (x, sums) in vertices.iter().zip(sums) {
         let mut emission = [0.0f32; LANES];
+        let turned_away = -WIDE * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]).sqrt();
         for g in 0..count {
-            for i in 0..LANES {
+            for (i, emission) in emission.iter_mut().enumerate() {
                 let toward = x[0] * qx[g].0[i] + x[1] * qy[g].0[i] + x[2] * qz[g].0[i];
                 weight[g].0[i] = if toward > 0.0 { toward } else { 0.0 };
                 lit[g].0[i] = if toward > 0.0 { 1.0 } else { 0.0 };
-                emission[i] += weight[g].0[i];
+                wide[g].0[i] = if toward > turned_away * flux[g].0[i] { 1.0 } else { 0.0 };
+                *emission += weight[g].0[i];
             }
         }
         sums[EMISSION] += f64::from(fold(&emission));
-        let (weight, lit) = (&weight[..count], &lit[..count]);
+        let (weight, lit, wide) = (&weight[..count], &lit[..count], &wide[..count]);
         add_dots::<9>(weight, &terms.factors[MEAN..], &mut sums[MEAN..]);
-        add_dots::<6>(lit, &terms.factors[GRADIENT..], &mut sums[GRADIENT..]);
+        add_dots::<4>(lit, &terms.factors[GRADIENT..], &mut sums[GRADIENT..]);
+        add_dots::<2>(wide, &terms.factors[PARALLAX2..], &mut sums[PARALLAX2..]);
         add_dots::<10>(weight, &terms.factors[SKEW..], &mut sums[SKEW..]);
     }
 }

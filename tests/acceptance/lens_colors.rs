@@ -1,0 +1,40 @@
+//! The light of the shipped lamps has the color that UN R48 demands of their lenses.
+
+use std::path::Path;
+
+use lampyris::image::Region;
+use lampyris::output::read_exr;
+
+use crate::stage::{run_script, scratch};
+
+/// Boundaries of UN R48, 2.29 (CIE 1931 2°).
+fn is_red([x, y]: [f64; 2]) -> bool {
+    y <= 0.335 && y >= 0.980 - x
+}
+
+fn is_amber([x, y]: [f64; 2]) -> bool {
+    y <= x - 0.120 && y >= 0.390 && y >= 0.790 - 0.670 * x
+}
+
+/// Chromaticity of all the light that a tiny picture of a lamp holds, as R48 judges it.
+fn rendered_chromaticity(model: &str, image: &str) -> [f64; 2] {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts").join(model);
+    let out = scratch("lens_colors");
+    // Width in pixels, coarseness of the meshes, light samples.
+    run_script(&script, &out, &["48", "8", "500"]);
+    let image = read_exr(&out.join(image)).expect("a readable EXR");
+    let all = Region { x: 0, y: 0, width: image.width, height: image.height };
+    image.mean_xyz(all).expect("pixels").chromaticity().expect("light")
+}
+
+#[test]
+fn red_lens_is_red() {
+    let color = rendered_chromaticity("model1.lua", "model1_00.exr");
+    assert!(is_red(color), "{color:?}");
+}
+
+#[test]
+fn amber_lens_is_amber() {
+    let color = rendered_chromaticity("model3.lua", "model3_turn.exr");
+    assert!(is_amber(color), "{color:?}");
+}

@@ -1,0 +1,365 @@
+//! Eq. 9 by the light tree: against the plain f64 sum, and its error against its own estimate.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DAffine3, DQuat, DVec3};
+use lampyris::light::sum::reference_sum;
+use lampyris::light::{HitQuery, LightSum, LightTree, Photometry, RaySample, RaySet};
+use lampyris::material::{Lobes, SpecularLobe};
+
+/// splitmix64: 0 … 1.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn direction(&mut self) -> DVec3 {
+        let (z, angle) = (2.0 * self.next() - 1.0, TAU * self.next());
+        let across = (1.0 - z * z).sqrt();
+        DVec3::new(across * angle.cos(), across * angle.sin(), z)
+    }
+}
+
+fn set_of(count: usize, mut sample: impl FnMut(usize) -> (DVec3, DVec3, f64)) -> RaySet {
+    let samples = (0..count)
+        .map(|i| {
+            let (position, direction, flux) = sample(i);
+            RaySample {
+                position: position.as_vec3().into(),
+                direction: direction.as_vec3().into(),
+                flux: flux as f32,
+            }
+        })
+        .collect();
+    RaySet { samples, world_from_local: DAffine3::IDENTITY, flux_lm: 460.0 }
+}
+
+/// A coiled filament of Lambert wire along X, 5.5 mm by 0.9 mm.
+fn coil(count: usize) -> RaySet {
+    let mut random = Random(1);
+    set_of(count, |_| {
+        let (t, around) = (random.next(), TAU * random.next());
+        let (sin, cos) = (TAU * 22.0 * t).sin_cos();
+        let outward = DVec3::new(0.0, cos, sin);
+        let tangent = DVec3::new(5.5 / (TAU * 22.0), -0.41 * sin, 0.41 * cos).normalize();
+        let normal = outward * around.cos() + tangent.cross(outward) * around.sin();
+        let axis = DVec3::X * 5.5 * (t - 0.5) + outward * 0.41;
+        (axis + normal * 0.04, normal, 1.0)
+    })
+}
+
+fn ball(count: usize, radius: f64) -> RaySet {
+    let mut random = Random(2);
+    set_of(count, |_| {
+        let place = random.direction() * radius * random.next().cbrt();
+        (place, random.direction(), random.next())
+    })
+}
+
+fn two_clouds(count: usize) -> RaySet {
+    let mut random = Random(3);
+    set_of(count, |i| {
+        let center = if i % 2 == 0 { DVec3::X * -400.0 } else { DVec3::X * 400.0 };
+        (center + random.direction() * random.next(), random.direction(), 1.0)
+    })
+}
+
+fn one_point(count: usize) -> RaySet {
+    let mut random = Random(4);
+    set_of(count, |_| (DVec3::new(0.3, -0.2, 0.1), random.direction(), 1.0))
+}
+
+/// A flat emitter: kinks in every table.
+fn plate(count: usize) -> RaySet {
+    let mut random = Random(5);
+    set_of(count, |_| (DVec3::new(random.next(), random.next(), 0.0) * 3.0, DVec3::Z, 1.0))
+}
+
+/// A measured source that was traced to the bulb's surface, with a narrow beam.
+fn beam(count: usize) -> RaySet {
+    let mut random = Random(6);
+    set_of(count, |_| {
+        let place = random.direction() * 12.0;
+        (place, (DVec3::Z + 0.2 * random.direction()).normalize(), 10f64.powf(-6.0 * random.next()))
+    })
+}
+
+fn lobes(k_d: f64, n_d: f64, specular: &[(f64, f64)]) -> Lobes {
+    let specular = specular.iter().map(|&(k_s, n_s)| SpecularLobe { k_s, n_s }).collect();
+    Lobes { k_d, n_d, specular }
+}
+
+/// A hit whose mirror direction points about where the light is, off by `off`.
+fn hit_toward(point: DVec3, light: DVec3, off: f64, random: &mut Random) -> [DVec3; 3] {
+    let to_light = (light - point).try_normalize().unwrap_or(DVec3::Z);
+    let mirror = (to_light + off * random.direction()).normalize();
+    let normal = (mirror + 0.7 * random.direction()).normalize();
+    let view = (2.0 * normal.dot(mirror) * normal - mirror).normalize();
+    [point, if normal.dot(view) < 0.0 { -normal } else { normal }, view]
+}
+
+fn query(hit: [DVec3; 3], lobes: &Lobes, photometry: Photometry) -> HitQuery<'_> {
+    let [point, normal, view] = hit;
+    HitQuery { point, normal, view, lobes, photometry, reflects: true, transmits: true }
+}
+
+const BOTH: [Photometry; 2] = [Photometry::Relative, Photometry::Absolute];
+
+fn assert_close(sum: f64, exact: f64, tolerance: f64, what: &str) {
+    let error = (sum - exact).abs();
+    assert!(error <= tolerance * exact.abs() + 1e-28, "{what}: {sum:e}, expected {exact:e}");
+}
+
+#[test]
+fn exact_sums_are_those_of_plain_f64_at_every_exponent() {
+    let set = coil(3000);
+    let tree = LightTree::build(&set);
+    let mut random = Random(7);
+    for n_d in [1.0, 2.5, 10.0, 64.0, 65.0, 999.5, 1e4, 1e6] {
+        for n_s in [1.0, 1.5, 20.0, 64.0, 100.0, 1500.0, 1e5, 1e6] {
+            let lobes = lobes(0.08, n_d, &[(0.92, n_s), (0.1, 30.0)]);
+            for photometry in BOTH {
+                let point = random.direction() * (0.5 + 100.0 * random.next());
+                let off = 2.0 * random.next() / f64::sqrt(n_s);
+                let hit = hit_toward(point, DVec3::X * 2.0, off, &mut random);
+                let query = query(hit, &lobes, photometry);
+                let (sum, exact) = (tree.sum(&query, 0.0, None), reference_sum(&set, &query, None));
+                // model.md asks for 1e-3 up to n = 10⁶, goldens for 1e-4 at n = 1500.
+                let tolerance = if n_s.max(n_d) <= 2000.0 { 3e-5 } else { 3e-4 };
+                let what = format!("n_d {n_d} n_s {n_s} {photometry:?} at {point}");
+                assert_close(sum.reflected, exact.reflected, tolerance, &what);
+                assert_close(sum.transmitted, exact.transmitted, tolerance, &what);
+                assert_eq!((sum.reflected_error, sum.transmitted_error), (0.0, 0.0));
+            }
+        }
+    }
+}
+
+#[test]
+fn hits_on_and_among_the_samples_are_exact_and_finite() {
+    let set = ball(2000, 1.0);
+    let tree = LightTree::build(&set);
+    let lobes = lobes(0.5, 10.0, &[(0.5, 1e6)]);
+    let mut random = Random(8);
+    for i in 0..50 {
+        let on = DVec3::from(set.samples[i * 31].position.map(f64::from));
+        let point = if i % 2 == 0 { on } else { on + random.direction() * 1e-6 };
+        for photometry in BOTH {
+            let light = DVec3::from(set.samples[i].position.map(f64::from));
+            let hit = hit_toward(point, light, 0.0, &mut random);
+            let query = query(hit, &lobes, photometry);
+            let exact = reference_sum(&set, &query, None);
+            for light_error in [0.0, 0.01] {
+                let sum = tree.sum(&query, light_error, None);
+                assert!(sum.reflected.is_finite() && sum.transmitted.is_finite());
+                let tolerance = light_error + 3e-4;
+                assert_close(sum.reflected, exact.reflected, tolerance, "reflected");
+                assert_close(sum.transmitted, exact.transmitted, tolerance, "transmitted");
+            }
+        }
+    }
+}
+
+#[test]
+fn placement_scale_and_flux_carry_over() {
+    let mut set = coil(500);
+    set.world_from_local = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(2.5),
+        DQuat::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 1.1),
+        DVec3::new(1e4, -300.0, 20.0),
+    );
+    let lobes = lobes(0.08, 10.0, &[(0.92, 1500.0)]);
+    let mut random = Random(9);
+    for flux_lm in [1e-12, 1.0, 1e12] {
+        set.flux_lm = flux_lm;
+        let tree = LightTree::build(&set);
+        for photometry in BOTH {
+            let light = set.world_from_local.translation;
+            let hit = hit_toward(light + random.direction() * 60.0, light, 0.01, &mut random);
+            let query = query(hit, &lobes, photometry);
+            let (sum, exact) = (tree.sum(&query, 0.0, None), reference_sum(&set, &query, None));
+            let relative = |a: f64, b: f64| if b > 0.0 { (a / b - 1.0).abs() } else { a.abs() };
+            assert!(relative(sum.reflected, exact.reflected) < 3e-5, "{sum:?} {exact:?}");
+            assert!(relative(sum.transmitted, exact.transmitted) < 3e-5, "{sum:?} {exact:?}");
+        }
+    }
+}
+
+/// Hits around a set, from inside it to kilometers away.
+fn hits(light: DVec3, size: f64, n_s: f64, random: &mut Random, count: usize) -> Vec<[DVec3; 3]> {
+    let reach = [0.3, 1.0, 3.0, 10.0, 40.0, 1e3, 1e6];
+    (0..count)
+        .map(|i| {
+            let point = light + random.direction() * size * reach[i % reach.len()];
+            let off =
+                [0.0, 1.0, 3.0, 8.0][i / 7 % 4] / f64::sqrt(n_s) + 0.3 * f64::from(i % 5 == 0);
+            hit_toward(point, light, off, random)
+        })
+        .collect()
+}
+
+/// Largest ratio of true to estimated error, after checking each hit.
+fn check(name: &str, set: &RaySet, light: DVec3, size: f64, count: usize) -> f64 {
+    let tree = LightTree::build(set);
+    let mut random = Random(11);
+    let mut worst = 0.0f64;
+    for n_s in [20.0, 1500.0, 1e6] {
+        for n_d in [1.0, 10.0, 50.0] {
+            let lobes = lobes(0.08, n_d, &[(0.92, n_s)]);
+            for photometry in BOTH {
+                for hit in hits(light, size, n_s, &mut random, count) {
+                    let query = query(hit, &lobes, photometry);
+                    let exact = tree.sum(&query, 0.0, None);
+                    for light_error in [0.1, 0.01, 0.001] {
+                        let sum = tree.sum(&query, light_error, None);
+                        let what =
+                            format!("{name} {n_d} {n_s} {photometry:?} {light_error} {hit:?}");
+                        let dark = 1e-13 * brightest(&query, light, size);
+                        let ratio = check_sides(&sum, &exact, light_error, dark, &what);
+                        worst = worst.max(ratio);
+                    }
+                }
+            }
+        }
+    }
+    println!("{name}: largest true/estimated error {worst:.3}");
+    worst
+}
+
+/// What the set could send straight at the hit, or from `size` if the hit is nearer.
+fn brightest(query: &HitQuery, light: DVec3, size: f64) -> f64 {
+    let absolute = query.photometry == Photometry::Absolute;
+    let norm = |n: f64| if absolute { (n + 2.0) / (2.0 * PI) } else { 1.0 };
+    let diffuse = query.lobes.k_d * if absolute { 1.0 / PI } else { 1.0 };
+    let specular: f64 = query.lobes.specular.iter().map(|lobe| lobe.k_s * norm(lobe.n_s)).sum();
+    let distance_m = query.point.distance(light).max(size) * 1e-3;
+    let falloff = if absolute { 1.0 / (PI * distance_m * distance_m) } else { 1.0 };
+    460.0 * (diffuse + specular) * falloff
+}
+
+/// Below `dark` the error is absolute.
+fn check_sides(sum: &LightSum, exact: &LightSum, light_error: f64, dark: f64, what: &str) -> f64 {
+    let reflected = (sum.reflected, sum.reflected_error, exact.reflected);
+    let transmitted = (sum.transmitted, sum.transmitted_error, exact.transmitted);
+    let mut worst = 0.0f64;
+    for (value, estimate, exact) in [reflected, transmitted] {
+        assert!(value.is_finite() && estimate.is_finite(), "{what}: {sum:?}");
+        // Both sums round in f32: 3e-6 of them is not the tree's.
+        let error = ((value - exact).abs() - 3e-6 * exact).max(0.0);
+        assert!(estimate <= light_error * exact.max(dark), "{what}: {sum:?} for {exact:e}");
+        assert!(error <= estimate.max(1e-3 * dark), "{what}: {sum:?} for {exact:e}");
+        if error > 1e-3 * dark {
+            worst = worst.max(error / estimate);
+        }
+    }
+    worst
+}
+
+#[test]
+fn estimates_hold_for_a_filament() {
+    check("coil", &coil(20_000), DVec3::ZERO, 3.0, 56);
+}
+
+#[test]
+fn estimates_hold_down_to_the_coarse_grids() {
+    check("coil of 150,000", &coil(150_000), DVec3::ZERO, 3.0, 7);
+}
+
+#[test]
+fn estimates_hold_for_a_ball_of_random_samples() {
+    check("ball", &ball(10_000, 2.0), DVec3::ZERO, 2.0, 56);
+}
+
+#[test]
+fn estimates_hold_for_two_far_clouds() {
+    check("two clouds", &two_clouds(10_000), DVec3::X * 400.0, 2.0, 28);
+    check("two clouds, all", &two_clouds(10_000), DVec3::ZERO, 400.0, 28);
+}
+
+#[test]
+fn estimates_hold_for_samples_in_one_point() {
+    check("one point", &one_point(10_000), DVec3::new(0.3, -0.2, 0.1), 1.0, 28);
+}
+
+#[test]
+fn estimates_hold_for_a_plate_and_a_beam() {
+    check("plate", &plate(10_000), DVec3::new(1.5, 1.5, 0.0), 3.0, 56);
+    check("beam", &beam(10_000), DVec3::ZERO, 12.0, 56);
+}
+
+#[test]
+fn estimates_hold_for_few_samples() {
+    check("one sample", &ball(1, 1.0), DVec3::ZERO, 1.0, 7);
+    check("two thousand", &ball(2100, 1.0), DVec3::ZERO, 1.0, 28);
+}
+
+#[test]
+fn an_empty_set_and_one_that_points_away_are_dark() {
+    let lobes = lobes(0.5, 1.0, &[(0.5, 100.0)]);
+    let hit = [DVec3::Z * 50.0, -DVec3::Z, -DVec3::Z];
+    for set in [ball(0, 1.0), set_of(5000, |i| (DVec3::X * i as f64 * 1e-3, -DVec3::Z, 1.0))] {
+        let tree = LightTree::build(&set);
+        for light_error in [0.0, 0.01] {
+            let sum = tree.sum(&query(hit, &lobes, Photometry::Absolute), light_error, None);
+            assert_eq!((sum.reflected, sum.transmitted), (0.0, 0.0));
+        }
+    }
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let set = coil(30_000);
+    let build = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("threads").install(|| LightTree::build(&set))
+    };
+    let (one, many) = (build(1), build(5));
+    let lobes = lobes(0.08, 10.0, &[(0.92, 1500.0)]);
+    let mut random = Random(12);
+    for hit in hits(DVec3::ZERO, 3.0, 1500.0, &mut random, 70) {
+        let query = query(hit, &lobes, Photometry::Relative);
+        for light_error in [0.0, 0.01] {
+            assert_eq!(one.sum(&query, light_error, None), many.sum(&query, light_error, None));
+        }
+    }
+}
+
+#[test]
+fn shadows_of_an_edge_are_within_the_error() {
+    let set = coil(20_000);
+    let tree = LightTree::build(&set);
+    let lobes = lobes(0.08, 10.0, &[(0.92, 300.0)]);
+    let mut random = Random(13);
+    for i in 0..40 {
+        // Hides everything beyond an x that cuts the coil.
+        let edge = 4.0 * random.next() - 2.0;
+        let free = move |light: DVec3| light.x < edge;
+        let point = DVec3::new(10.0 * random.next(), 5.0, 60.0);
+        let hit = hit_toward(point, DVec3::ZERO, 0.03, &mut random);
+        let query = query(hit, &lobes, BOTH[i % 2]);
+        let exact = reference_sum(&set, &query, Some(&free));
+        assert_eq!(tree.sum(&query, 0.0, Some(&|_| false)).reflected, 0.0);
+        let plain = tree.sum(&query, 0.0, Some(&free));
+        assert_close(plain.reflected, exact.reflected, 3e-5, "exact");
+        let sum = tree.sum(&query, 0.01, Some(&free));
+        assert_close(sum.reflected, exact.reflected, 0.01, "tree");
+    }
+}
+
+#[test]
+fn a_lambert_reflector_under_a_point_source_has_its_textbook_luminance() {
+    // E = Φ/π cos / r² of a Lambert point, L = k_d E / π: 1 lm at 2 m, straight on.
+    let set = set_of(1, |_| (DVec3::Z * 2000.0, -DVec3::Z, 1.0));
+    let lobes = lobes(0.8, 1.0, &[]);
+    let tree = LightTree::build(&RaySet { flux_lm: 1.0, ..set });
+    let hit = [DVec3::ZERO, DVec3::Z, DVec3::Z];
+    let sum = tree.sum(&query(hit, &lobes, Photometry::Absolute), 0.0, None);
+    let expected = 0.8 / PI * (1.0 / PI / 4.0);
+    assert_close(sum.reflected, expected, 1e-6, "luminance");
+}
