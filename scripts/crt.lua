@@ -1,33 +1,47 @@
 --- The measured CRT of data/displays, and what is fitted to five levels of each channel.
 --
 --   local crt = require "crt"
---   crt.fitted  crt.ramps.red  crt.levels.red  crt.primaries
+--   crt.fitted  crt.ramps.red  crt.levels.red  crt.patches
+--
+-- Rows are { digit, X, Y, Z } in cd/m². The files have the display's black subtracted; here it is
+-- added again, as an instrument measures it.
 
 local lampyris = require "lampyris"
 
-local ramps = lampyris.display.ramps("../data/displays/ptb_crt_75hz_2006_xyz_rgb_ramps.csv")
+local folder = "../data/displays/ptb_crt_75hz_2006_"
 local channels = { "red", "green", "blue" }
 
---- Five evenly spaced levels, as the paper measured: black (which the file has subtracted) and the
--- drives nearest to quarters of full.
-local function five_of(ramp)
-  local levels = { { 0, 0, 0, 0 } }
-  for quarter = 1, 4 do
-    local best = ramp[1]
-    for _, row in ipairs(ramp) do
-      if math.abs(row[1] - 63.75 * quarter) < math.abs(best[1] - 63.75 * quarter) then best = row end
-    end
-    table.insert(levels, best)
-  end
-  return levels
+-- Per 4 nm in the file, per nm here.
+local black = { (lampyris.spectrum.load(folder .. "ambient_spectrum.csv") * 0.25):xyz() }
+
+local function with_black(row)
+  return { row[1], row[2] + black[1], row[3] + black[2], row[4] + black[3] }
 end
 
-local crt = { channels = channels, ramps = ramps, levels = {} }
-local measurement = { name = "measured CRT" }
+local crt = { channels = channels, black = black, ramps = {}, levels = {}, patches = {} }
+
+local measurement = { name = "measured CRT", black = black }
+local ramps = lampyris.display.ramps(folder .. "xyz_rgb_ramps.csv")
 for _, channel in ipairs(channels) do
-  crt.levels[channel] = five_of(ramps[channel])
+  local ramp = { with_black { 0, 0, 0, 0 } }
+  for _, row in ipairs(ramps[channel]) do table.insert(ramp, with_black(row)) end
+  crt.ramps[channel] = ramp
+  -- Five evenly spaced levels, as the paper measured; of 30 those nearest to quarters.
+  crt.levels[channel] = { ramp[1], ramp[8], ramp[16], ramp[24], ramp[31] }
   measurement[channel] = crt.levels[channel]
 end
 crt.fitted = lampyris.display.fit(measurement)
+
+for line in lampyris.read(folder .. "SEMISYNTHETIC_216_patches.csv"):gmatch("[^\r\n]+") do
+  local cells = {}
+  for cell in line:gmatch("[^,]+") do table.insert(cells, tonumber(cell)) end
+  if #cells == 6 then
+    for k = 1, 3 do
+      cells[k] = 255 * cells[k]
+      cells[3 + k] = cells[3 + k] + black[k]
+    end
+    table.insert(crt.patches, cells)
+  end
+end
 
 return crt

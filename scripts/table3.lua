@@ -5,7 +5,7 @@
 local crt = require "crt"
 local paper = require "paper"
 
-local found = crt.fitted:verify("../data/displays/ptb_crt_75hz_2006_SEMISYNTHETIC_216_patches.csv")
+local found = crt.fitted:verify(crt.patches)
 
 local report = paper.report("table3", "Table 3: errors of the display model")
 report:compare("patches", #found.patches, 216)
