@@ -1,16 +1,16 @@
 -- Start points of a ray file as makers ship them, on a sphere around the bulb, and moved back to
 -- the filament.
 --
---   lampyris run scripts/start_points.lua [-- tiny] [-- FILE [X Y Z]]
+--   lampyris run scripts/start_points.lua [-- tiny] [-- FILE]
 --
--- FILE is any ray file; X Y Z is a point of the filament's axis, which runs along z. Without one the
--- script puts the rays of a cylinder (0.65 mm by 4.1 mm) on a sphere of 10 mm itself.
+-- FILE is a ray file of a filament of 0.65 mm radius along the z axis. Without one the script puts
+-- the rays of such a filament, 4.1 mm long, on a sphere of 10 mm itself.
 
 local lampyris = require "lampyris"
 local paper = require "paper"
 
 local file = not paper.is_tiny and arg[1] or nil
-local axis_point = { tonumber(arg[2]) or 0, tonumber(arg[3]) or 0, tonumber(arg[4]) or 0 }
+local filament_radius = 0.65
 local samples = paper.size(2000, 200)
 local sphere_radius = 10
 
@@ -23,22 +23,42 @@ local function on_sphere(ray)
   return { p[1] + along * d[1], p[2] + along * d[2], p[3] + along * d[3] }
 end
 
+local state = 4
+local function uniform() -- Park and Miller's generator: the same rays everywhere
+  state = state * 48271 % 2147483647
+  return state / 2147483647
+end
+
+--- A ray from the cylinder's side, by Lambert's law about the normal.
+local function emitted()
+  local angle, z = 2 * math.pi * uniform(), 4.1 * (uniform() - 0.5)
+  local normal = { math.cos(angle), math.sin(angle), 0 }
+  local sine, turn = math.sqrt(uniform()), 2 * math.pi * uniform()
+  local cosine, across, along = math.sqrt(1 - sine * sine), sine * math.cos(turn), sine * math.sin(turn)
+  return {
+    position = { filament_radius * normal[1], filament_radius * normal[2], z },
+    direction = {
+      cosine * normal[1] - across * normal[2], cosine * normal[2] + across * normal[1], along,
+    },
+  }
+end
+
 local function made()
-  local rays = lampyris.cylinder {
-    axis = { 0, 0, 1 }, radius = 0.65, length = 4.1, samples = samples, flux = 460,
-    spectrum = lampyris.spectrum.blackbody(2750),
-  }:rays()
+  local positions, directions = {}, {}
+  for k = 1, samples do
+    local ray = emitted()
+    positions[k], directions[k] = on_sphere(ray), ray.direction
+  end
   return lampyris.rayset.new {
-    positions = paper.map(rays, on_sphere),
-    directions = paper.map(rays, function(ray) return ray.direction end),
-    flux = 460, spectrum = lampyris.spectrum.blackbody(2750),
+    positions = positions, directions = directions, flux = 460,
+    spectrum = lampyris.spectrum.blackbody(2750),
   }
 end
 
 local before = file
     and lampyris.rayset.load(file, { samples = samples, spectrum = lampyris.spectrum.blackbody(2750) })
   or made()
-local after = before:starting_at { axis = { 0, 0, 1 }, through = axis_point, radius = 0 }
+local after = before:starting_at { axis = { 0, 0, 1 }, radius = filament_radius }
 
 --- Start points across (x) and along (z), and how far they lie from the axis and along it.
 local function places(set)
@@ -46,16 +66,16 @@ local function places(set)
   for _, ray in ipairs(set:rays()) do
     local p = ray.position
     table.insert(points, { p[1], p[3] })
-    radius = math.max(radius, math.sqrt((p[1] - axis_point[1]) ^ 2 + (p[2] - axis_point[2]) ^ 2))
+    radius = math.max(radius, math.sqrt(p[1] ^ 2 + p[2] ^ 2))
     low, high = math.min(low, p[3]), math.max(high, p[3])
   end
   return points, { radius, low, high }
 end
 
-local function panel(title, points)
+local function panel(title, points, reach)
   return {
     title = title,
-    x = { label = "x (mm)" }, y = { label = "z (mm)" },
+    x = { label = "x (mm)", range = { -reach, reach } }, y = { label = "z (mm)" },
     series = { { points = points, style = "points" } },
   }
 end
@@ -65,7 +85,7 @@ local points_after, extent_after = places(after)
 local report = paper.report("start_points", "Start points moved back to the filament")
 report:figure("start_points", lampyris.figure {
   width = 1200, height = 600, columns = 2,
-  panels = { panel("as shipped", points_before), panel("moved back", points_after) },
+  panels = { panel("as shipped", points_before, 10.5), panel("moved back", points_after, 2.5) },
 }, file or "a cylinder of 0.65 mm by 4.1 mm, its rays starting on a sphere of 10 mm")
 report:table({ "start points", "largest distance from the axis (mm)", "lowest z", "highest z" }, {
   { "as shipped", table.unpack(extent_before) },

@@ -54,8 +54,7 @@ fn assert_draws(name: &str) {
 
 #[test]
 fn models_render() {
-    for (name, view) in
-        [("model1", "15"), ("model2", "00"), ("model3", "turn"), ("model4", "tail")]
+    for (name, view) in [("model1", "15"), ("model2", "00"), ("model3", "turn"), ("model4", "tail")]
     {
         let output = run(name, &["32", "6", "100"]);
         assert!(output.has(&format!("{name}_{view}.exr")), "{name}");
@@ -66,8 +65,19 @@ fn models_render() {
 #[test]
 fn figures_are_drawn() {
     for name in [
-        "fig1", "fig3", "fig5", "fig6", "fig7", "fig8", "fig9", "fig10", "fig11", "fig8_samples",
-        "glare", "start_points", "tradeoff",
+        "fig1",
+        "fig3",
+        "fig5",
+        "fig6",
+        "fig7",
+        "fig8",
+        "fig9",
+        "fig10",
+        "fig11",
+        "fig8_samples",
+        "glare",
+        "start_points",
+        "tradeoff",
     ] {
         assert_draws(name);
     }

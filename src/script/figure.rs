@@ -60,7 +60,8 @@ fn figure(mut arguments: Arguments) -> mlua::Result<LuaFigure> {
         Ok(options.count(key, 1, MAX_SIDE)?.unwrap_or(default) as u32)
     };
     // A single panel carries the title itself.
-    let title = if has("panels") { options.text("title")?.unwrap_or_default() } else { String::new() };
+    let title =
+        if has("panels") { options.text("title")?.unwrap_or_default() } else { String::new() };
     let figure = Figure {
         width: side("width", 800)?,
         height: side("height", 600)?,

@@ -33,17 +33,8 @@ struct Rendered {
     fov_deg: f64,
 }
 
-const NAMES: [&str; 9] = [
-    "compare",
-    "height",
-    "luminance",
-    "luminances",
-    "save",
-    "spectrum",
-    "stats",
-    "width",
-    "xyz",
-];
+const NAMES: [&str; 9] =
+    ["compare", "height", "luminance", "luminances", "save", "spectrum", "stats", "width", "xyz"];
 
 impl LuaImage {
     pub(super) fn new(

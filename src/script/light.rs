@@ -23,17 +23,8 @@ pub struct LuaLight {
     pub spectrum: Arc<Spectrum>,
 }
 
-const NAMES: [&str; 9] = [
-    "count",
-    "flux",
-    "halves",
-    "noise",
-    "rays",
-    "save",
-    "spectrum",
-    "starting_at",
-    "transform",
-];
+const NAMES: [&str; 9] =
+    ["count", "flux", "halves", "noise", "rays", "save", "spectrum", "starting_at", "transform"];
 
 pub(super) const FLUX: Range = Range::above_zero("lm");
 pub(super) const MAX_SAMPLES: u64 = 100_000_000;
