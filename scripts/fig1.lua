@@ -10,9 +10,12 @@ local options = paper.lamp("model1")
 local built = paper.build(options, paper.size(2, 6))
 local objects = lamp.objects(built, options.lens)
 local focus = built.chambers[2].focus
-local scene = lampyris.scene { objects = objects, lights = paper.lights(built, options.shots[1], 100) }
+local lights = paper.lights(built, options.shots[1], 100)
+local scene = lampyris.scene { objects = objects, lights = lights }
 -- A narrow view of the middle chamber: three hundredths of a degree a pixel.
-local view = lampyris.view { distance = 3000, target = { focus[1], 0, 60 }, fov = 3, width = 100, height = 100 }
+local view = lampyris.view {
+  distance = 3000, target = { focus[1], 0, 60 }, fov = 3, width = 100, height = 100,
+}
 
 local outline = {}
 for _, object in ipairs(objects) do

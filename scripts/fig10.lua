@@ -75,7 +75,8 @@ end
 local size = {
   width = 400, height = 156, taper = 0.3, lift = 0.2, slant = -0.08,
   front = 124, radius_x = 1500, radius_y = 900, thickness = 3,
-  flute = 8, flute_depth = 0.3, focal = 25, back = 0, facet_x = 18, facet_y = 15, rib = 4, margin = 4,
+  flute = 8, flute_depth = 0.3,
+  focal = 25, back = 0, facet_x = 18, facet_y = 15, rib = 4, margin = 4,
 }
 
 local function face(s, t)
@@ -119,7 +120,8 @@ local function paraboloid(u, v)
 end
 local function reflector(x, y)
   local s, t = inverse(x, y)
-  local u, v = (s - first) / (last - first) * columns, (t - level) / (1 - 2 * level) * rows_of_facets
+  local u = (s - first) / (last - first) * columns
+  local v = (t - level) / (1 - 2 * level) * rows_of_facets
   local i, j = math.floor(u), math.floor(v)
   local p, q = u - i, v - j
   local function corner(di, dj) return paraboloid((i + di) / columns, (j + dj) / rows_of_facets) end
@@ -221,6 +223,7 @@ report:figure("fig10", lampyris.figure {
   width = 1350, height = 460, columns = 3, panels = panels,
 }, ("rendered with %d light samples, and predicted without the renderer"):format(samples))
 report:table({
-  "place", "path in the lens (mm)", "rendered / predicted", "rms", "rms of the shape", "correlation",
+  "place", "path in the lens (mm)", "rendered / predicted", "rms", "rms of the shape",
+  "correlation",
 }, table_rows)
 report:note("Light that met two or more reflectors is rendered but not predicted.")

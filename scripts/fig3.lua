@@ -49,7 +49,8 @@ if file then
   })
 end
 
-local series = { { name = file and "measured" or "synthetic cos¹⁵⁰⁰, 5 % noise", points = points, style = "points" } }
+local name = file and "measured" or "synthetic cos¹⁵⁰⁰, 5 % noise"
+local series = { { name = name, points = points, style = "points" } }
 local rows = {}
 for _, fit in ipairs(fits) do
   local curve = {}
@@ -59,7 +60,8 @@ for _, fit in ipairs(fits) do
   end
   table.insert(series, { name = fit.name, points = curve })
   for k, lobe in ipairs(fit.result.lobes) do
-    table.insert(rows, { fit.name, k, lobe.n, lobe.n_error, lobe.amplitude, fit.result.rms_decades })
+    local rms = fit.result.rms_decades
+    table.insert(rows, { fit.name, k, lobe.n, lobe.n_error, lobe.amplitude, rms })
   end
 end
 

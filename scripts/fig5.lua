@@ -23,7 +23,8 @@ local view = lampyris.view {
 }
 
 local function render(mesh)
-  local scene = lampyris.scene { objects = { { mesh = mesh, material = aluminium } }, lights = { bulb } }
+  local objects = { { mesh = mesh, material = aluminium } }
+  local scene = lampyris.scene { objects = objects, lights = { bulb } }
   return scene:render(view, { samples = 4 })
 end
 

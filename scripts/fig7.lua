@@ -7,7 +7,9 @@ local paper = require "paper"
 
 local ray_length = 1.5 -- mm, as drawn
 
-local bulb = lampyris.bulb("P21W", { samples = 100, axis = { 0, 0, 1 }, filament_axis = { 1, 0, 0 } })
+local bulb = lampyris.bulb("P21W", {
+  samples = 100, axis = { 0, 0, 1 }, filament_axis = { 1, 0, 0 },
+})
 local rays = bulb:rays()
 
 local segments, low, high, flux = {}, math.huge, -math.huge, 0

@@ -94,5 +94,6 @@ report:figure("fig8", lampyris.figure {
 report:table({
   "light", "n_s", "correlation", "contrast", "of the reference", "relative rms",
 }, rows)
-report:note(("In the highlight, against a RAYSET of %d rays with another seed; the paper shows, without"
-  .. " numbers, that the RAYSET keeps the pattern and the cylinder blurs it."):format(reference_samples))
+report:note(("In the highlight, against a RAYSET of %d rays with another seed. The paper shows that"
+  .. " the RAYSET keeps the filament's pattern and a cylinder does not, without numbers."
+):format(reference_samples))

@@ -22,7 +22,9 @@ local function render(light)
     objects = { { mesh = chamber.reflector, material = aluminium } }, lights = { light },
   }
   -- The tree's own error must stay below the RAYSET's.
-  return scene:render(view, { samples = 1, light_error = 0.002, max_depth = 0, wavelength_step = 20 })
+  return scene:render(view, {
+    samples = 1, light_error = 0.002, max_depth = 0, wavelength_step = 20,
+  })
 end
 
 local points, rows = {}, {}

@@ -19,7 +19,8 @@ end
 
 local wavelength = { label = "wavelength (nm)", range = { 380, 780 } }
 local function panel(title, label, series)
-  return { title = title, x = wavelength, y = { label = label, range = { 0, 1.05 } }, series = series }
+  local y = { label = label, range = { 0, 1.05 } }
+  return { title = title, x = wavelength, y = y, series = series }
 end
 
 local report = paper.report("fig9", "Fig. 9: spectra of bulb, reflector and lens")

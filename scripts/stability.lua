@@ -40,6 +40,7 @@ local function lobe(exponent)
   return lampyris.material { reflectance = 1, k_s = 1, n_s = exponent }
 end
 local diffuse = lampyris.material { reflectance = 1, k_d = 1, n_d = 1 }
+local plate = { mesh = square(10, 0), material = diffuse }
 
 local rows = {}
 --- The worst of the pairs (found, expected) that `f` yields.
@@ -75,7 +76,8 @@ check("exponent 1 to 10⁶", function(pair)
       local expected = emitted * math.exp(n * (math.log(1 - x)))
       if x < 1e-8 then expected = emitted * math.exp(-n * (x + x * x / 2)) end
       if p[3] > 0 then
-        pair(look({ { mesh = square(10, 0), material = lobe(n) } }, { lamp_at(position, direction, 1) }), expected)
+        local surface = { mesh = square(10, 0), material = lobe(n) }
+        pair(look({ surface }, { lamp_at(position, direction, 1) }), expected)
       end
     end
   end
@@ -84,7 +86,7 @@ end)
 check("flux 10⁻¹² to 10¹² lm", function(pair)
   for power = -12, 12, 3 do
     local light = lamp_at({ 0, 0, 50 }, { 0, 0, -1 }, 10.0 ^ power)
-    pair(look({ { mesh = square(10, 0), material = diffuse } }, { light }), 10.0 ^ power)
+    pair(look({ plate }, { light }), 10.0 ^ power)
   end
 end)
 
@@ -99,7 +101,7 @@ end)
 check("eye at 1 mm to 10 km", function(pair)
   for power = 0, 7 do
     local light = lamp_at({ 0, 0, 0.5 }, { 0, 0, -1 }, 1)
-    pair(look({ { mesh = square(10, 0), material = diffuse } }, { light }, {
+    pair(look({ plate }, { light }, {
       distance = 10.0 ^ power, fov = 1e-6,
     }), 1)
   end
@@ -108,7 +110,7 @@ end)
 check("view grazing to 89.999°", function(pair)
   for _, angle in ipairs { 60, 85, 89, 89.9, 89.99, 89.999 } do
     local light = lamp_at({ 0, 0, 50 }, { 0, 0, -1 }, 1)
-    pair(look({ { mesh = square(10, 0), material = diffuse } }, { light }, {
+    pair(look({ plate }, { light }, {
       azimuth = angle, fov = 1e-7,
     }), 1)
   end
@@ -121,7 +123,7 @@ check("light grazing to 89.999°", function(pair)
     local p, q = ray.position, ray.direction
     local r = math.sqrt(p[1] ^ 2 + p[3] ^ 2)
     local expected = -(p[1] * q[1] + p[3] * q[3]) / r * p[3] / r
-    pair(look({ { mesh = square(10, 0), material = diffuse } }, { lamp_at(position, direction, 1) }), expected)
+    pair(look({ plate }, { lamp_at(position, direction, 1) }), expected)
   end
 end)
 
@@ -158,9 +160,9 @@ check("1 to 10⁷ samples", function(pair)
         if emitted > 0 then sum = sum + ray.flux * emitted * p[3] / r end
       end
     else
-      sum = look({ { mesh = square(10, 0), material = diffuse } }, { light }, nil, { light_error = 1e-4 })
+      sum = look({ plate }, { light }, nil, { light_error = 1e-4 })
     end
-    pair(look({ { mesh = square(10, 0), material = diffuse } }, { light }), sum)
+    pair(look({ plate }, { light }), sum)
   end
 end)
 
@@ -184,7 +186,7 @@ check("depth 64 between mirrors, R 0 to 1", function(pair)
 end)
 
 check("a sample on the surface", function(pair)
-  pair(look({ { mesh = square(10, 0), material = diffuse } }, { lamp_at({ 0, 0, 0 }, { 0, 0, -1 }, 1) }), 0)
+  pair(look({ plate }, { lamp_at({ 0, 0, 0 }, { 0, 0, -1 }, 1) }), 0)
 end)
 
 -- What is refused, and with which words. -----------------------------------------------------------

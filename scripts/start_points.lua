@@ -34,7 +34,8 @@ local function emitted()
   local angle, z = 2 * math.pi * uniform(), 4.1 * (uniform() - 0.5)
   local normal = { math.cos(angle), math.sin(angle), 0 }
   local sine, turn = math.sqrt(uniform()), 2 * math.pi * uniform()
-  local cosine, across, along = math.sqrt(1 - sine * sine), sine * math.cos(turn), sine * math.sin(turn)
+  local cosine = math.sqrt(1 - sine * sine)
+  local across, along = sine * math.cos(turn), sine * math.sin(turn)
   return {
     position = { filament_radius * normal[1], filament_radius * normal[2], z },
     direction = {
@@ -55,9 +56,8 @@ local function made()
   }
 end
 
-local before = file
-    and lampyris.rayset.load(file, { samples = samples, spectrum = lampyris.spectrum.blackbody(2750) })
-  or made()
+local white = lampyris.spectrum.blackbody(2750)
+local before = file and lampyris.rayset.load(file, { samples = samples, spectrum = white }) or made()
 local after = before:starting_at { axis = { 0, 0, 1 }, radius = filament_radius }
 
 --- Start points across (x) and along (z), and how far they lie from the axis and along it.

@@ -78,7 +78,9 @@ for _, value in ipairs { 100, 1000, 10000 } do
 end
 for _, value in ipairs { 20, 10 } do try("wavelength_step", value, { wavelength_step = value }) end
 for _, value in ipairs { 2, 4, 8 } do try("max_depth", value, { max_depth = value }) end
-for _, value in ipairs { 0.1, 0.01, 0.001 } do try("min_throughput", value, { min_throughput = value }) end
+for _, value in ipairs { 0.1, 0.01, 0.001 } do
+  try("min_throughput", value, { min_throughput = value })
+end
 for _, value in ipairs { 1.5, 2, 4 } do
   try("mesh", ("edges × %g"):format(value), { coarseness = exact.coarseness * value })
 end
@@ -89,10 +91,9 @@ end
 local function combined(light_error, samples)
   return { light_error = light_error, samples = samples, max_depth = 8, min_throughput = 1e-3 }
 end
-try("default", "as shipped", combined(0.01, 4))
-try("default", "light_error 0.03", combined(0.03, 4))
-try("default", "samples 16", combined(0.01, 16))
 try("default", "samples 1", combined(0.01, 1))
+try("default", "as shipped: 4", combined(0.01, 4))
+try("default", "samples 16", combined(0.01, 16))
 
 -- CSV, table and plot. ---------------------------------------------------------------------------
 
@@ -115,12 +116,15 @@ local function is_best(result)
   return true
 end
 
+-- The figure's own colors are seven.
+local own_colors = { samples = { 130, 130, 130 }, default = { 120, 60, 0 } }
+
 local series, by_knob = {}, {}
 for _, result in ipairs(results) do
   if result.rms > 0 then -- a log axis has no place for the exact ones
     local line = by_knob[result.knob]
     if not line then
-      line = { name = result.knob, points = {}, style = "both" }
+      line = { name = result.knob, points = {}, style = "both", color = own_colors[result.knob] }
       by_knob[result.knob] = line
       table.insert(series, line)
     end
@@ -134,7 +138,9 @@ for _, result in ipairs(results) do
   end
 end
 table.sort(front, function(a, b) return a[1] < b[1] end)
-table.insert(series, { name = "Pareto front", points = front, style = "dashes", color = { 0, 0, 0 } })
+table.insert(series, {
+  name = "Pareto front", points = front, style = "dashes", color = { 0, 0, 0 },
+})
 
 local report = paper.report("tradeoff", "What accuracy costs")
 report:figure("tradeoff", lampyris.figure {
@@ -145,12 +151,20 @@ report:figure("tradeoff", lampyris.figure {
 }, ("model 1, %d × %d pixels, %d light samples; every other knob exact"):format(
   width, width * 3 // 4, many))
 report:table({
-  "knob", "setting", "seconds", "light evaluations", "rms", "worst", "ΔE00 mean", "95 %", "spectral rms",
+  "knob", "setting", "seconds", "10⁶ light evaluations", "rms", "worst", "ΔE00 mean", "95 %",
+  "spectral rms",
 }, paper.map(results, function(r)
   return {
-    r.knob, r.setting, r.seconds, r.evaluations, r.rms, r.worst, r.delta_e, r.delta_e_95, r.spectral,
+    r.knob, r.setting, r.seconds, r.evaluations / 1e6, r.rms, r.worst, r.delta_e, r.delta_e_95,
+    r.spectral,
   }
 end))
+for _, result in ipairs(results) do
+  if result.knob == "light_error" and result.setting == 0.01 then
+    report:note(("The default light_error of 0.01 looks at 1/%.0f of what the exact sum does, for an"
+      .. " rms error of %.1g."):format(results[1].evaluations / result.evaluations, result.rms))
+  end
+end
 report:note("rms and worst: relative luminance error over pixels with at least a hundredth of white.")
 report:note("“samples” and “default” are compared with 64 samples a pixel, all others with the exact"
   .. " picture at the same 4 samples.")
