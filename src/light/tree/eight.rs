@@ -79,9 +79,18 @@ impl Eight {
         sine2.map(|s| exp_neg(0.5 * exponent * neg_ln_1m(s)))
     }
 
-    /// At least cosⁿ, and cheaper: the series of −ln(1 − s²) cut after its fourth term.
+    /// At least cosⁿ. For steep lobes the series of −ln(1 − s²) cut after its fourth term, which is
+    /// cheaper and tight wherever they shine; wide ones also count near their horizon, where the
+    /// cut series would end at e^(−25 n/24).
     #[inline(always)]
     pub fn cosine_power_bound(sine2: Eight, exponent: f32) -> Eight {
+        /// e^(−25 n/24) is below [`super::node::NEGLIGIBLE`] from here on.
+        const STEEP: f32 = 40.0;
+        /// Four roundings of a sine² near 1.
+        const SLACK: f32 = 2.4e-7;
+        if exponent < STEEP {
+            return sine2.map(|s| exp_neg(0.5 * exponent * neg_ln_1m(smaller(s, 1.0) - SLACK)));
+        }
         sine2.map(|s| exp_neg(0.5 * exponent * s * (1.0 + s * (0.5 + s * (1.0 / 3.0 + s * 0.25)))))
     }
 
