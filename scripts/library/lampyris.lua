@@ -176,6 +176,7 @@ function lampyris.material(options) end
 ---@field points integer
 ---@field lobes table[]
 ---@field eval fun(angle: number): number
+---@field plot Figure measured points and fit
 
 ---Fits A cosⁿ to measured pairs (Fig. 3).
 ---@param options LobeFitOptions
@@ -393,6 +394,11 @@ function Image:luminance(region) end
 ---Luminous intensity toward the eye, of a scene with photometry = "absolute".
 ---@return number  cd
 function Image:intensity() end
+
+---A figure of the luminance in false colors, with a scale bar.
+---@param options? FalseColorOptions
+---@return Figure
+function Image:false_color(options) end
 
 ---@class Glare
 ---@field age? number  years, 0 to 120
