@@ -83,7 +83,10 @@ mod tests {
                     SignalColor::Amber => corner[0] + corner[1] > 0.9989,
                     SignalColor::White => false,
                 };
-                assert!(on_locus || !color.contains(step(-1.0)), "{color:?} {corner:?}");
+                // The area is not convex here: a step away from its middle stays inside.
+                let is_reentrant = *corner == [0.443, 0.382];
+                let is_outside = !color.contains(step(-1.0));
+                assert!(on_locus || is_outside != is_reentrant, "{color:?} {corner:?}");
             }
         }
     }
