@@ -106,12 +106,14 @@ impl Region {
         Self { x, y, width: 1, height: 1 }
     }
 
-    fn check(self, image_width: usize, image_height: usize) -> Result<()> {
+    /// Errors: [`Error::OutOfRange`] if the region is empty or leaves the image.
+    pub fn check(self, image_width: usize, image_height: usize) -> Result<()> {
         check_span(["x", "width"], [self.x, self.width], image_width)?;
         check_span(["y", "height"], [self.y, self.height], image_height)
     }
 
-    fn pixels(self) -> impl Iterator<Item = (usize, usize)> {
+    /// (x, y), row by row.
+    pub fn pixels(self) -> impl Iterator<Item = (usize, usize)> {
         let columns = self.x..self.x + self.width;
         (self.y..self.y + self.height).flat_map(move |y| columns.clone().map(move |x| (x, y)))
     }

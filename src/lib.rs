@@ -27,6 +27,7 @@ pub mod figure;
 pub mod fit;
 pub mod geometry;
 pub mod image;
+pub mod image_difference;
 pub mod info;
 pub mod light;
 pub mod material;

@@ -10,7 +10,7 @@ use crate::image::{Metadata, SpectralImage};
 use crate::light::Photometry;
 use crate::scene::Prepared;
 use crate::shading::{
-    Bands, LightCheck, SpectralTables, TraceCounts, TraceLimits, TraceState, Tracer,
+    Bands, LightCheck, PathSegment, SpectralTables, TraceCounts, TraceLimits, TraceState, Tracer,
 };
 use crate::spectrum::WavelengthGrid;
 use crate::view::{Camera, View};
@@ -159,6 +159,20 @@ pub fn check_light_error(
         camera.ray(x * view.width as f64, y * view.height as f64)
     });
     Ok(tracer.check_light(rays, hits))
+}
+
+/// The rays that are followed for image position (x, y), in pixels from the top left corner.
+///
+/// Errors: as [`render`].
+pub fn trace_paths(
+    prepared: &Prepared,
+    view: &View,
+    quality: &Quality,
+    [x, y]: [f64; 2],
+) -> Result<Vec<PathSegment>> {
+    let tables = SpectralTables::new(&prepared.scene, quality.grid)?;
+    let tracer = Tracer { prepared, tables: &tables, limits: quality.limits };
+    Ok(tracer.paths(view.camera().ray(x, y)))
 }
 
 /// Luminance statistics of a pixel's samples (Welford's recurrence).

@@ -3,10 +3,12 @@
 pub mod bvh;
 pub mod mesh;
 pub mod obj;
+pub mod section;
 
 pub use bvh::{Bvh, Departure, Simd};
 pub use glam::DVec3;
 pub use mesh::Mesh;
+pub use section::Plane;
 
 /// A half-line. `direction` is unit to f64.
 #[derive(Debug, Clone, Copy, PartialEq)]

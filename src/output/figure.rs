@@ -15,14 +15,22 @@ pub fn write_figure_png(path: &Path, figure: &Figure) -> Result<()> {
     write_png(path, &raster(figure.width as usize, figure.height as usize, pixels.as_flattened()))
 }
 
-/// Pictures are embedded as PNG; errors as [`write_figure_png`].
+/// Errors: as [`write_figure_png`].
 pub fn write_figure_svg(path: &Path, figure: &Figure) -> Result<()> {
+    write_text(path, &figure_svg(figure)?)
+}
+
+/// A figure's SVG with its pictures embedded as PNG.
+///
+/// Errors: [`Error::Inconsistent`] for a figure that cannot be drawn.
+pub fn figure_svg(figure: &Figure) -> Result<String> {
     let svg = to_svg(figure)?;
     let mut pictures = String::new();
     for placed in &svg.rasters {
-        pictures += &picture(placed).map_err(|e| Error::io(path, e))?;
+        let refused = |e| Error::inconsistent("figure", format!("a picture has no PNG: {e}"));
+        pictures += &picture(placed).map_err(refused)?;
     }
-    write_text(path, &svg.text.replacen("</svg>", &(pictures + "</svg>"), 1))
+    Ok(svg.text.replacen("</svg>", &(pictures + "</svg>"), 1))
 }
 
 fn raster(width: usize, height: usize, rgb: &[u8]) -> Raster<'_> {

@@ -9,5 +9,5 @@ pub(crate) mod scratch;
 
 pub use atomic::{write_atomically, write_csv, write_text};
 pub use exr::{ExrInfo, read_exr, read_exr_info, write_exr};
-pub use figure::{write_figure_png, write_figure_svg};
+pub use figure::{figure_svg, write_figure_png, write_figure_svg};
 pub use png::{ColorSpace, Raster, Samples, display_raster, read_png, write_png};

@@ -15,7 +15,8 @@ use crate::display::{
     self, Display, DisplayImage, Exposure, Gamut, GamutReport, Glare, GlareReport, Rendition, Tone,
 };
 use crate::error::Error;
-use crate::image::{Region, SpectralImage};
+use crate::image::{Region, SpectralImage, XyzImage};
+use crate::image_difference::ImageDifference;
 use crate::memory;
 use crate::output;
 use crate::photometry;
@@ -49,8 +50,18 @@ pub(super) fn region(options: &Options) -> mlua::Result<Region> {
     })
 }
 
-const NAMES: [&str; 8] =
-    ["height", "intensity", "luminance", "save", "spectrum", "stats", "width", "xyz"];
+const NAMES: [&str; 10] = [
+    "compare",
+    "height",
+    "intensity",
+    "luminance",
+    "luminances",
+    "save",
+    "spectrum",
+    "stats",
+    "width",
+    "xyz",
+];
 
 impl LuaImage {
     pub(super) fn new(
@@ -62,13 +73,17 @@ impl LuaImage {
         Self(Arc::new(Rendered { image, stats, view, build: prepared.seconds }))
     }
 
+    pub(super) fn xyz_image(&self) -> XyzImage {
+        self.0.image.to_xyz()
+    }
+
     /// Y of every pixel.
     pub(super) fn luminances(&self) -> Vec<f64> {
-        self.0.image.to_xyz().pixels.iter().map(|color| color.y).collect()
+        self.xyz_image().pixels.iter().map(|color| color.y).collect()
     }
 
     /// `{x =, y =, width = 1, height = 1}`, or the whole image for nil.
-    fn region(&self, options: Options) -> mlua::Result<Region> {
+    pub(super) fn region(&self, options: Options) -> mlua::Result<Region> {
         let image = &self.0.image;
         let most = |side: usize| side.max(1) as u64;
         let x = options.count("x", 0, most(image.width))?;
@@ -117,6 +132,21 @@ impl UserData for LuaImage {
             Arguments::new("image:intensity", a, 0)?;
             warn_of_cut_off(&host::of(lua)?, &this.0.image, &this.0.view);
             Ok(photometry::intensity(&this.0.image, &this.0.view)?.y)
+        });
+        fault::method(methods, "luminances", |_, this: &Self, a| {
+            let options = Arguments::new("image:luminances", a, 1)?.options(&REGION_KEYS)?;
+            let region = this.region(options)?;
+            region.check(this.0.image.width, this.0.image.height)?;
+            let image = this.xyz_image();
+            let luminance = |(x, y): (usize, usize)| image.pixels[y * image.width + x].y;
+            Ok(region.pixels().map(luminance).collect::<Vec<_>>())
+        });
+        fault::method(methods, "compare", |lua, this: &Self, a| {
+            let value = Arguments::new("image:compare", a, 1)?.value();
+            let reference: Self =
+                options::handle("image:compare", "argument 1", &value, "an image")?;
+            let difference = ImageDifference::between(&this.0.image, &reference.0.image)?;
+            difference_table(lua, &difference)
         });
         fault::method(methods, "save", |lua, this: &Self, a| {
             save(lua, &this.0, Arguments::new("image:save", a, 2)?)
@@ -190,6 +220,28 @@ pub(super) fn save_png(
 ) -> mlua::Result<Shown> {
     let display = options.handle::<LuaDisplay>("display", "a display")?;
     let display = display.map_or_else(Display::srgb, |d| Arc::unwrap_or_clone(d.0));
+    let shown = present_seen(image, view, &display, options)?;
+    let mut raster = output::display_raster(&shown.image, &display)?;
+    raster.metadata = image.metadata.clone();
+    output::write_png(target, &raster)?;
+    Ok(shown)
+}
+
+/// The digits of a picture, by the options of a PNG.
+pub(super) fn present(
+    image: &LuaImage,
+    display: &Display,
+    options: &Options,
+) -> mlua::Result<Shown> {
+    present_seen(&image.0.image, &image.0.view, display, options)
+}
+
+fn present_seen(
+    image: &SpectralImage,
+    view: &View,
+    display: &Display,
+    options: &Options,
+) -> mlua::Result<Shown> {
     let curve = options.value("tone")?;
     let curve = curve.as_function().cloned();
     let bend = |luminance: f64| curve_value(curve.as_ref(), luminance);
@@ -212,11 +264,7 @@ pub(super) fn save_png(
             (seen, Some(report))
         }
     };
-    let shown = display::present(&seen, &display, &rendition)?;
-    let mut raster = output::display_raster(&shown, &display)?;
-    raster.metadata = image.metadata.clone();
-    output::write_png(target, &raster)?;
-    Ok(Shown { image: shown, glare })
+    Ok(Shown { image: display::present(&seen, display, &rendition)?, glare })
 }
 
 /// `{age =, pigment =, strength =}`, or `true` for the default eye.
@@ -281,6 +329,17 @@ fn png_stats(lua: &Lua, shown: &Shown) -> mlua::Result<Table> {
     table.set("too_saturated", shown.gamut.too_saturated)?;
     table.set("mean_delta_e_2000", shown.gamut.mean_delta_e_2000)?;
     table.set("max_delta_e_2000", shown.gamut.max_delta_e_2000)?;
+    Ok(table)
+}
+
+fn difference_table(lua: &Lua, difference: &ImageDifference) -> mlua::Result<Table> {
+    let table = lua.create_table()?;
+    table.set("lit_pixels", difference.lit_pixels)?;
+    table.set("relative_rms", difference.relative_rms)?;
+    table.set("worst", difference.worst)?;
+    table.set("mean_delta_e_2000", difference.mean_delta_e_2000)?;
+    table.set("percentile_95_delta_e_2000", difference.percentile_95_delta_e_2000)?;
+    table.set("spectral_rms", difference.spectral_rms)?;
     Ok(table)
 }
 

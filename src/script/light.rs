@@ -24,7 +24,8 @@ pub struct LuaLight {
     pub spectrum: Arc<Spectrum>,
 }
 
-const NAMES: [&str; 7] = ["count", "flux", "halves", "noise", "save", "spectrum", "transform"];
+const NAMES: [&str; 9] =
+    ["count", "flux", "halves", "noise", "rays", "save", "spectrum", "starting_at", "transform"];
 
 pub(super) const FLUX: Range = Range::above_zero("lm");
 pub(super) const MAX_SAMPLES: u64 = 100_000_000;
@@ -77,7 +78,7 @@ pub(super) fn seed(host: &Host, options: &Options) -> mlua::Result<u64> {
 
 /// `{axis =, through =}` or `{point =}`, with an optional `radius`.
 fn start_surface(value: Value) -> mlua::Result<StartSurface> {
-    const OBJECT: &str = "rayset.load: start";
+    const OBJECT: &str = "rayset: start";
     let options = Options::new(OBJECT, value, &["axis", "point", "radius", "through"])?;
     let core = match (options.vector("axis")?, options.vector("point")?) {
         (Some(axis), None) => {
@@ -205,6 +206,24 @@ fn noise(host: &Host, light: &LuaLight, options: &Options) -> mlua::Result<f64> 
     error.ok_or_else(|| Error::inconsistent(object, "the pictures are black").into())
 }
 
+/// Each ray as `{position =, direction =, flux =}`, in the scene's place, mm and lm.
+fn rays(lua: &Lua, rays: &RaySet) -> mlua::Result<Vec<Table>> {
+    let flux_sum: f64 = rays.samples.iter().map(|sample| f64::from(sample.flux)).sum();
+    let lm_per_unit = rays.flux_lm / flux_sum;
+    let ray = |sample: &RaySample| {
+        let position = DVec3::from(sample.position.map(f64::from));
+        let direction = DVec3::from(sample.direction.map(f64::from));
+        let table = lua.create_table()?;
+        let position = rays.world_from_local.transform_point3(position);
+        table.set("position", position.to_array())?;
+        let direction = rays.world_from_local.transform_vector3(direction).normalize_or_zero();
+        table.set("direction", direction.to_array())?;
+        table.set("flux", f64::from(sample.flux) * lm_per_unit)?;
+        Ok(table)
+    };
+    rays.samples.iter().map(ray).collect()
+}
+
 impl UserData for LuaLight {
     fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
         fields.add_field_method_get("count", |_, this| Ok(this.rays.samples.len()));
@@ -223,6 +242,11 @@ impl UserData for LuaLight {
             let target = host::of(lua)?.output(&path)?;
             let format = SaveFormat::of(&target)?;
             Ok(rayfile::save(&target, &this.rays, &this.spectrum, format)?)
+        });
+        fault::method(methods, "rays", |lua, this: &Self, _| rays(lua, &this.rays));
+        fault::method(methods, "starting_at", |_, this: &Self, a| {
+            let surface = start_surface(Arguments::new("rayset:starting_at", a, 1)?.value())?;
+            Ok(Self { rays: this.rays.clone().starting_at(&surface)?, ..this.clone() })
         });
         fault::method(methods, "halves", |lua, this: &Self, a| {
             let options = Arguments::new("rayset:halves", a, 1)?.options(&["seed"])?;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
+use mlua::{IntoLua, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
 use super::fault;
 use super::options::{self, Arguments, Options, Range};
@@ -92,10 +92,44 @@ fn numbers(options: &Options, key: &str, range: Range) -> mlua::Result<Option<Ve
     }
 }
 
+/// A number, or a list where there are several lobes; 0 without any.
+fn of_lobes(material: &Material, value: impl Fn(&SpecularLobe) -> f64) -> NumberOrList {
+    match material.lobes.specular.as_slice() {
+        [] => NumberOrList::Number(0.0),
+        [lobe] => NumberOrList::Number(value(lobe)),
+        lobes => NumberOrList::List(lobes.iter().map(value).collect()),
+    }
+}
+
+enum NumberOrList {
+    Number(f64),
+    List(Vec<f64>),
+}
+
+impl IntoLua for NumberOrList {
+    fn into_lua(self, lua: &Lua) -> mlua::Result<Value> {
+        match self {
+            Self::Number(number) => number.into_lua(lua),
+            Self::List(list) => list.into_lua(lua),
+        }
+    }
+}
+
+const NAMES: [&str; 6] = ["k_d", "k_rg", "k_s", "k_tg", "n_d", "n_s"];
+
 impl UserData for LuaMaterial {
+    fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
+        fields.add_field_method_get("k_d", |_, this| Ok(this.0.lobes.k_d));
+        fields.add_field_method_get("n_d", |_, this| Ok(this.0.lobes.n_d));
+        fields.add_field_method_get("k_s", |_, this| Ok(of_lobes(&this.0, |lobe| lobe.k_s)));
+        fields.add_field_method_get("n_s", |_, this| Ok(of_lobes(&this.0, |lobe| lobe.n_s)));
+        fields.add_field_method_get("k_rg", |_, this| Ok(this.0.k_rg));
+        fields.add_field_method_get("k_tg", |_, this| Ok(this.0.k_tg));
+    }
+
     fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| Ok(summary(&this.0)));
-        fault::refuse_unknown_fields(methods, "material", &[]);
+        fault::refuse_unknown_fields(methods, "material", &NAMES);
     }
 }
 

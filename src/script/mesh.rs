@@ -9,14 +9,14 @@ use super::options::{self, Arguments, Options, Range};
 use super::{fault, host};
 use crate::error::Error;
 use crate::geometry::mesh::{Placement, Shading};
-use crate::geometry::{DVec3, Mesh, obj};
+use crate::geometry::{DVec3, Mesh, Plane, obj};
 use crate::output;
 
 /// Handle of a mesh.
 #[derive(Debug, Clone)]
 pub struct LuaMesh(pub Arc<Mesh>);
 
-const NAMES: [&str; 4] = ["transform", "save", "triangle_count", "bounds"];
+const NAMES: [&str; 6] = ["transform", "save", "triangle_count", "bounds", "flat", "section"];
 
 /// Cells a side of a surface grid.
 const MAX_CELLS: u64 = 100_000;
@@ -181,6 +181,19 @@ fn rotation(object: &str, value: Value) -> mlua::Result<DQuat> {
     }
 }
 
+/// The segments in which the plane `{normal = {1, 0, 0}, through = {0, 0, 0}}` cuts a mesh.
+fn section(mesh: &Mesh, mut arguments: Arguments) -> mlua::Result<Vec<[[f64; 3]; 2]>> {
+    let options = arguments.options(&["normal", "through"])?;
+    let normal = options.vector("normal")?.unwrap_or(DVec3::X);
+    let Some(normal) = normal.try_normalize() else {
+        let object = options.object();
+        return Err(Error::out_of_range(object, "\"normal\"", normal, "any direction").into());
+    };
+    let point = options.vector("through")?.unwrap_or(DVec3::ZERO);
+    let segments = mesh.section(&Plane { point, normal });
+    Ok(segments.into_iter().map(|ends| ends.map(|end| end.to_array())).collect())
+}
+
 impl UserData for LuaMesh {
     fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
         fields.add_field_method_get("triangle_count", |_, this| Ok(this.0.triangles.len()));
@@ -200,6 +213,12 @@ impl UserData for LuaMesh {
             let path = Arguments::new("mesh:save", a, 1)?.text("path")?;
             let path = host::of(lua)?.output(&path)?;
             Ok(output::write_text(&path, &obj::to_text(&this.0))?)
+        });
+        fault::method(methods, "flat", |_, this: &Self, _| {
+            Ok(Self(Arc::new(Mesh::clone(&this.0).into_flat())))
+        });
+        fault::method(methods, "section", |_, this: &Self, a| {
+            section(&this.0, Arguments::new("mesh:section", a, 1)?)
         });
         methods.add_meta_method(MetaMethod::Len, |_, this, ()| Ok(this.0.triangles.len()));
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {

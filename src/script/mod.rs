@@ -13,11 +13,14 @@ mod starter;
 mod display;
 mod display_fit;
 mod emitter;
+mod figure;
+mod file;
 mod image;
 mod light;
 mod lobe_fit;
 mod material;
 mod mesh;
+mod paths;
 mod photometry;
 mod scene;
 mod spectrum;
@@ -73,6 +76,8 @@ fn module(lua: &Lua) -> mlua::Result<Table> {
     sweep::register(lua, &module)?;
     photometry::register(lua, &module)?;
     lobe_fit::register(lua, &module)?;
+    figure::register(lua, &module)?;
+    file::register(lua, &module)?;
     fault::refuse_unknown_names(lua, &module, "lampyris")?;
     Ok(module)
 }

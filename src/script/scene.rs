@@ -12,7 +12,7 @@ use super::mesh::LuaMesh;
 use super::options::{self, Arguments, Options, Range};
 use super::spectrum::grid_from_step;
 use super::view::LuaView;
-use super::{fault, host};
+use super::{fault, host, paths};
 use crate::error::Error;
 use crate::light::Photometry;
 use crate::material::Material;
@@ -206,6 +206,9 @@ impl UserData for LuaScene {
         fault::method(methods, "check_light_error", |lua, this: &Self, a| {
             this.check_light_error(lua, Arguments::new("scene:check_light_error", a, 2)?)
         });
+        fault::method(methods, "paths", |lua, this: &Self, a| {
+            paths::paths(lua, this, Arguments::new("scene:paths", a, 2)?)
+        });
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
             let scene = &this.scene;
             let triangles: usize = scene.objects.iter().map(|o| o.mesh.triangles.len()).sum();
@@ -215,6 +218,6 @@ impl UserData for LuaScene {
                 scene.lights.len()
             ))
         });
-        fault::refuse_unknown_fields(methods, "scene", &["check_light_error", "render"]);
+        fault::refuse_unknown_fields(methods, "scene", &["check_light_error", "paths", "render"]);
     }
 }

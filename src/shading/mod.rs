@@ -8,10 +8,12 @@ mod bands;
 mod global;
 mod light_check;
 mod local;
+mod paths;
 mod tables;
 
 pub use bands::Bands;
 pub use light_check::LightCheck;
+pub use paths::{PathEnd, PathKind, PathSegment};
 pub use tables::{MaterialTables, SpectralTables};
 
 use crate::geometry::{DVec3, Departure, Hit, Ray, TriangleId};

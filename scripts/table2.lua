@@ -1,0 +1,22 @@
+-- Table 2: gain, offset and gamma of a display, from five levels a channel.
+--
+--   lampyris run scripts/table2.lua [-- tiny]
+
+local lampyris = require "lampyris"
+local crt = require "crt"
+local paper = require "paper"
+
+local t766 = lampyris.display.eizo_t766
+local rows = {}
+for k, channel in ipairs(crt.channels) do
+  table.insert(rows, {
+    channel, crt.fitted.gain[k], crt.fitted.offset[k], crt.fitted.gamma[k],
+    t766.gain[k], t766.offset[k], t766.gamma[k],
+  })
+end
+
+local report = paper.report("table2", "Table 2: gain, offset and gamma")
+report:table({
+  "channel", "k_g", "k_o", "γ", "k_g, paper's T766", "k_o, T766", "γ, T766",
+}, rows)
+report:note("Another CRT than the paper's (Psychtoolbox, 2006), whose EIZO T766 is built in.")
