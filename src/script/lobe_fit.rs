@@ -111,7 +111,8 @@ fn chart(points: &[(f64, f64)], fit: &LobeFit) -> Chart {
     /// As many as a figure has pixels across.
     const STEPS: usize = 800;
     let ends = points.iter().map(|point| point.0);
-    let (first, last) = ends.fold((0.0, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
+    let (first, last) =
+        ends.fold((0.0, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
     let angle = |step: usize| first + (last - first) * step as f64 / STEPS as f64;
     let curve = (0..=STEPS).map(|step| [angle(step), fit.eval(angle(step))]).collect();
     let name: Vec<String> = fit.lobes.iter().map(|lobe| format!("n = {:.0}", lobe.n)).collect();
