@@ -5,14 +5,18 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use clap::{Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use lampyris::progress::Verbosity;
-use lampyris::script::{self, Settings};
+use lampyris::script::{self, ScriptFault, Settings};
+use lampyris::sweep::{self, Shard};
+use lampyris::{Error, info};
 
 /// Predicts what a lit lamp looks like and how bright it is, wavelength by wavelength.
+///
+/// Exit status: 0 done; 1 a script or its input failed; 2 wrong command line; 130 interrupted.
 #[derive(Debug, Parser)]
-#[command(version)]
+#[command(version, max_term_width = 100)]
 struct CommandLine {
     #[command(subcommand)]
     command: Command,
@@ -21,56 +25,179 @@ struct CommandLine {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Run a Lua script
+    ///
+    /// Scripts read files from their own folder, the working directory and the folders of --read,
+    /// and write below --out.
     Run {
         script: PathBuf,
-        /// Folder under which everything is written
-        #[arg(long, value_name = "DIR", default_value = "out")]
-        out: PathBuf,
-        /// Threads to render with [default: all cores]
-        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-        threads: Option<u16>,
-        /// No progress on standard error
-        #[arg(long)]
-        quiet: bool,
+        #[command(flatten)]
+        options: RunOptions,
+        /// Render a part of each sweep, such as 3/40; `lampyris merge` joins the parts
+        #[arg(long, value_name = "NUMBER/COUNT")]
+        shard: Option<Shard>,
         /// Arguments for the script, after --
         #[arg(last = true)]
         arguments: Vec<String>,
     },
+    /// Say what EXR files, ray files, OBJ meshes and spectrum tables hold
+    Info {
+        #[arg(required = true, value_name = "FILE")]
+        files: Vec<PathBuf>,
+    },
+    /// Type Lua line by line, with the same interface as scripts
+    Repl {
+        #[command(flatten)]
+        options: RunOptions,
+    },
+    /// Write a commented script to start from: NAME.lua
+    New { name: String },
+    /// Check the files of a sweep against its manifest
+    Verify {
+        #[arg(value_name = "manifest.json")]
+        manifest: PathBuf,
+        /// Check this script and what it read, too
+        #[arg(long, value_name = "SCRIPT")]
+        script: Option<PathBuf>,
+    },
+    /// Join the shards of a sweep
+    Merge {
+        /// Folders with the shards' manifests
+        #[arg(required = true, value_name = "DIR")]
+        folders: Vec<PathBuf>,
+        /// Where the whole sweep goes [default: the first DIR]
+        #[arg(long, value_name = "DIR")]
+        into: Option<PathBuf>,
+    },
 }
 
-/// The script or its input failed.
+#[derive(Debug, Args)]
+struct RunOptions {
+    /// Folder under which everything is written
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Let scripts read from this folder, too; may be given again
+    #[arg(long, value_name = "DIR")]
+    read: Vec<PathBuf>,
+    /// Threads to render with [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Most memory for Lua's own values, such as 500M or 2G [default: no limit]
+    #[arg(long, value_name = "SIZE", value_parser = bytes_from_text)]
+    max_memory: Option<usize>,
+    /// No progress on standard error
+    #[arg(long)]
+    quiet: bool,
+    /// What standard error is for: a person's terminal, or a machine that reads JSON lines
+    #[arg(long, value_name = "FORMAT", default_value = "text")]
+    log: Log,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Log {
+    Text,
+    Json,
+}
+
+/// A script or its input failed.
 const FAILED: u8 = 1;
 /// Ctrl-C, as shells report it.
 const INTERRUPTED: u8 = 130;
 
 fn main() -> ExitCode {
     match CommandLine::parse().command {
-        Command::Run { script, out, threads, quiet, arguments } => {
-            if let Err(message) = use_threads(threads) {
-                eprintln!("lampyris: {message}");
-                return ExitCode::from(FAILED);
-            }
-            let verbosity = if quiet { Verbosity::Quiet } else { Verbosity::Bar };
-            let interrupted = interrupted_by_ctrl_c();
-            let settings = Settings { out, verbosity, arguments, interrupted };
-            exit_code(script::run(&script, settings))
+        Command::Run { script, options, shard, arguments } => options.start(|settings| {
+            let settings = Settings { shard, arguments, ..settings };
+            script::run(&script, settings)
+        }),
+        Command::Repl { options } => options.start(script::repl),
+        Command::Info { files } => print_each(&files, |file| info::describe(file)),
+        Command::New { name } => exit_code(script::write_starter(&name).map(|path| {
+            println!("{}: run it with: lampyris run {}", path.display(), path.display());
+        })),
+        Command::Verify { manifest, script } => verify(&manifest, script.as_deref()),
+        Command::Merge { folders, into } => {
+            let into = into.as_ref().unwrap_or(&folders[0]); // clap asks for one at least
+            exit_code(sweep::merge(&folders, into).map(|merged| {
+                println!("{}: {} shards, {} views", into.display(), merged.shards, merged.views);
+            }))
         }
     }
 }
 
-fn exit_code(done: Result<(), script::ScriptFault>) -> ExitCode {
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(fault) => {
-            eprintln!("{fault}");
-            ExitCode::from(if fault.interrupted { INTERRUPTED } else { FAILED })
+impl RunOptions {
+    fn start(self, run: impl FnOnce(Settings) -> Result<(), ScriptFault>) -> ExitCode {
+        if let Err(message) = use_threads(self.threads) {
+            eprintln!("lampyris: {message}");
+            return ExitCode::from(FAILED);
+        }
+        let verbosity = match (self.log, self.quiet) {
+            (Log::Json, _) => Verbosity::Json,
+            (Log::Text, true) => Verbosity::Quiet,
+            (Log::Text, false) => Verbosity::Bar,
+        };
+        let settings = Settings {
+            out: self.out,
+            verbosity,
+            interrupted: interrupted_by_ctrl_c(),
+            read: self.read,
+            max_memory: self.max_memory,
+            ..Settings::default()
+        };
+        match run(settings) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(fault) => {
+                eprintln!("{}", fault.report(verbosity));
+                ExitCode::from(if fault.interrupted { INTERRUPTED } else { FAILED })
+            }
         }
     }
+}
+
+fn exit_code(done: Result<(), Error>) -> ExitCode {
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::from(FAILED)
+        }
+    }
+}
+
+/// All files get their turn, whatever is wrong with some.
+fn print_each(files: &[PathBuf], describe: impl Fn(&PathBuf) -> Result<String, Error>) -> ExitCode {
+    let mut code = ExitCode::SUCCESS;
+    for file in files {
+        match describe(file) {
+            Ok(text) => println!("{text}"),
+            Err(error) => code = exit_code(Err(error)),
+        }
+    }
+    code
+}
+
+fn verify(manifest: &std::path::Path, script: Option<&std::path::Path>) -> ExitCode {
+    let report = match sweep::verify(manifest, script) {
+        Ok(report) => report,
+        Err(error) => return exit_code(Err(error)),
+    };
+    report.problems.iter().for_each(|problem| eprintln!("{problem}"));
+    println!("{}: {} files are as they were", manifest.display(), report.good);
+    if report.problems.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(FAILED) }
 }
 
 fn use_threads(threads: Option<u16>) -> Result<(), rayon::ThreadPoolBuildError> {
     let count = threads.map_or(0, usize::from); // 0: all cores
     rayon::ThreadPoolBuilder::new().num_threads(count).build_global()
+}
+
+/// `500M` and the like, in powers of 1000.
+fn bytes_from_text(text: &str) -> Result<usize, String> {
+    let units = [("K", 1_000), ("M", 1_000_000), ("G", 1_000_000_000)];
+    let unit = units.iter().find_map(|&(unit, bytes)| Some((text.strip_suffix(unit)?, bytes)));
+    let (digits, bytes) = unit.unwrap_or((text, 1));
+    let count: Option<usize> = digits.parse().ok().filter(|&count| count > 0);
+    let size = count.and_then(|count| count.checked_mul(bytes));
+    size.ok_or_else(|| "expected a number of bytes, with K, M or G such as 500M".to_owned())
 }
 
 /// A flag that the first Ctrl-C sets; the second ends the program at once.

@@ -1,42 +1,105 @@
-//! A progress bar on standard error, and Ctrl-C.
+//! Progress on standard error, for people or machines, and Ctrl-C.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::json;
 
 use crate::render::Watch;
 
-/// Shows pixels done and the time that remains; silent where standard error is no terminal.
+/// Who reads standard error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Verbosity {
+    #[default]
+    Quiet,
+    /// A person: a bar, if it is a terminal.
+    Bar,
+    /// A machine: one JSON object a line.
+    Json,
+}
+
+/// Pixels done, the time that remains, and the memory in use.
 pub struct Progress {
+    verbosity: Verbosity,
     bar: ProgressBar,
     interrupted: Arc<AtomicBool>,
+    start: Instant,
+    /// Milliseconds after `start` of the last look at the memory, or of the last JSON line.
+    last_report_ms: AtomicU64,
 }
 
-/// Whether a person wants to see progress.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verbosity {
-    Quiet,
-    Bar,
-}
+const REPORT_EVERY: Duration = Duration::from_secs(1);
 
 impl Progress {
+    /// For `pixels` in all; [`Progress::more_pixels`] adds to them.
     pub fn new(verbosity: Verbosity, interrupted: Arc<AtomicBool>, pixels: usize) -> Self {
         let target = match verbosity {
-            Verbosity::Quiet => ProgressDrawTarget::hidden(),
             Verbosity::Bar => ProgressDrawTarget::stderr(),
+            Verbosity::Quiet | Verbosity::Json => ProgressDrawTarget::hidden(),
         };
-        let template = "render {wide_bar} {percent:>3} % · {elapsed} · {eta} left";
+        let template = "{msg} {wide_bar} {percent:>3} % · {elapsed} · {eta} left{prefix}";
         let style =
             ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
         let bar = ProgressBar::with_draw_target(Some(pixels as u64), target).with_style(style);
-        Self { bar, interrupted }
+        bar.set_message("render");
+        let (start, last_report_ms) = (Instant::now(), AtomicU64::new(0));
+        Self { verbosity, bar, interrupted, start, last_report_ms }
+    }
+
+    pub fn more_pixels(&self, count: usize) {
+        self.bar.inc_length(count as u64);
+    }
+
+    /// Says which view is rendered now; `of` where the number of views is known.
+    pub fn begin_view(&self, index: usize, of: Option<usize>) {
+        let of_all = of.map_or_else(String::new, |of| format!(" of {of}"));
+        self.bar.set_message(format!("view {index}{of_all}"));
+        self.log(json!({ "event": "view", "view": index, "of": of }));
+    }
+
+    /// One line of JSON, if machines read.
+    fn log(&self, event: serde_json::Value) {
+        if self.verbosity == Verbosity::Json {
+            eprintln!("{event}");
+        }
+    }
+
+    fn report(&self) {
+        let memory = memory_bytes();
+        if let Some(bytes) = memory {
+            self.bar.set_prefix(format!(" · {:.1} GB", bytes as f64 / 1e9));
+        }
+        let (done, all) = (self.bar.position(), self.bar.length());
+        self.log(json!({
+            "event": "pixels",
+            "done": done,
+            "of": all,
+            "seconds": self.start.elapsed().as_secs_f64(),
+            "remaining_seconds": self.bar.eta().as_secs(),
+            "memory_bytes": memory,
+        }));
+    }
+
+    /// Whether it is time for the next report; of many threads that ask, one is told so.
+    fn is_due(&self) -> bool {
+        let now = self.start.elapsed().as_millis() as u64;
+        let last = self.last_report_ms.load(Ordering::Relaxed);
+        let due = now >= last + REPORT_EVERY.as_millis() as u64;
+        due && self
+            .last_report_ms
+            .compare_exchange(last, now, Ordering::Relaxed, Ordering::Relaxed)
+            .is_ok()
     }
 }
 
 impl Watch for Progress {
     fn pixels_done(&self, count: usize) {
         self.bar.inc(count as u64);
+        if self.verbosity != Verbosity::Quiet && self.is_due() {
+            self.report();
+        }
     }
 
     fn is_cancelled(&self) -> bool {
@@ -48,4 +111,12 @@ impl Drop for Progress {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }
+}
+
+/// Resident memory of the process, where the system tells (Linux).
+fn memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib * 1024)
 }

@@ -75,10 +75,15 @@ impl Camera {
         Ray { origin: self.eye, direction: direction.normalize() }
     }
 
+    /// Cosine of the angle between the ray through image position (x, y) and the view's axis.
+    pub fn cos_to_axis(&self, x: f64, y: f64) -> f64 {
+        self.ray(x, y).direction.dot(self.forward)
+    }
+
     /// Solid angle of the pixel whose center is (x, y), sr.
     pub fn pixel_solid_angle_sr(&self, x: f64, y: f64) -> f64 {
         let side = 2.0 * self.tan_half_fov / self.size[1];
-        let cos = self.ray(x, y).direction.dot(self.forward);
+        let cos = self.cos_to_axis(x, y);
         side * side * cos.powi(3)
     }
 }

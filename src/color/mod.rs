@@ -1,8 +1,10 @@
-//! Tristimulus values, chromaticity, CIELAB and color differences, linear Rec. 709 and sRGB.
+//! Tristimulus values, chromaticity, CIELAB and color differences, linear Rec. 709 and sRGB,
+//! signal colors.
 
 mod difference;
 mod lab;
 mod rec709;
+pub mod signal;
 
 pub use difference::{delta_e_2000, delta_e_ab};
 pub use lab::Lab;

@@ -10,4 +10,4 @@ pub(crate) mod scratch;
 pub use atomic::{write_atomically, write_csv, write_text};
 pub use exr::{ExrInfo, read_exr, read_exr_info, write_exr};
 pub use figure::{figure_svg, write_figure_png, write_figure_svg};
-pub use png::{ColorSpace, Raster, Samples, display_raster, write_png};
+pub use png::{ColorSpace, Raster, Samples, display_raster, read_png, write_png};

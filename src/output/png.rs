@@ -1,12 +1,13 @@
 //! PNG files that say which colors their digits mean.
 
 use std::borrow::Cow;
-use std::io::{self, BufWriter};
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter};
 use std::path::Path;
 
 use super::atomic::write_atomically;
 use crate::display::{Display, DisplayImage};
-use crate::error::Result;
+use crate::error::{Error, Place, Result};
 use crate::image::Metadata;
 
 /// Digits with their meaning.
@@ -77,6 +78,36 @@ impl Samples<'_> {
     }
 }
 
+/// Reads a file of [`write_png`]: red, green, blue of each pixel, with their bits (8 or 16).
+///
+/// Errors: [`Error::Io`]; [`Error::BadFile`] for another kind of file.
+pub fn read_png(path: &Path) -> Result<(Raster<'static>, u32)> {
+    let bad = |problem: String| Error::bad_file(path, Place::File, problem);
+    let file = File::open(path).map_err(|e| Error::io(path, e))?;
+    let broken = |e: ::png::DecodingError| bad(format!("not a readable PNG file: {e}"));
+    let mut reader = ::png::Decoder::new(BufReader::new(file)).read_info().map_err(broken)?;
+    let size = reader.output_buffer_size().ok_or_else(|| bad("is too large".to_owned()))?;
+    let mut bytes = vec![0; size];
+    reader.next_frame(&mut bytes).map_err(broken)?;
+    let info = reader.info();
+    let (samples, bits) = match (info.color_type, info.bit_depth) {
+        (::png::ColorType::Rgb, ::png::BitDepth::Eight) => (Samples::Eight(bytes.into()), 8),
+        (::png::ColorType::Rgb, ::png::BitDepth::Sixteen) => {
+            let pairs = bytes.chunks_exact(2).map(|b| u16::from_be_bytes([b[0], b[1]]));
+            (Samples::Sixteen(pairs.collect()), 16)
+        }
+        (kind, depth) => {
+            return Err(bad(format!("holds {kind:?} of {depth:?}, expected RGB of 8 or 16 bits")));
+        }
+    };
+    let color_space = match &info.icc_profile {
+        Some(profile) => ColorSpace::Icc(profile.to_vec()),
+        None => ColorSpace::Srgb,
+    };
+    let (width, height) = (info.width as usize, info.height as usize);
+    Ok((Raster { width, height, samples, color_space, metadata: Metadata::new() }, bits))
+}
+
 /// The digits of a display as a raster that carries its profile.
 ///
 /// Displays of 8 bits give 8-bit files; all others 16-bit ones, digits stretched to 0 to 65535.
@@ -102,8 +133,6 @@ mod tests {
     use super::*;
     use crate::display::GamutReport;
     use crate::output::scratch::Scratch;
-    use std::fs::File;
-    use std::io::BufReader;
 
     fn image(digits: Vec<[u16; 3]>) -> DisplayImage {
         let gamut = GamutReport::default();
@@ -143,6 +172,9 @@ mod tests {
         write_png(&path, &display_raster(&image(vec![[9, 8, 7]]), &display).unwrap()).unwrap();
         let (info, bytes) = decode(&path);
         assert_eq!(bytes, [9, 8, 7]);
+        let (read, bits) = read_png(&path).unwrap();
+        assert_eq!((read.samples, bits), (Samples::Eight(vec![9, 8, 7].into()), 8));
+        assert_eq!(read.color_space, ColorSpace::Icc(display.icc_profile().unwrap()));
         assert_eq!(info.srgb, None);
         assert_eq!(*info.icc_profile.unwrap(), display.icc_profile().unwrap());
     }

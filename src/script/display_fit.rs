@@ -19,7 +19,7 @@ pub(super) fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaDispla
     let options = arguments.options(&keys)?;
     let bits = options.count("bits", 1, 16)?.unwrap_or(8) as u32;
     let ramps = match options.text("file")? {
-        Some(path) => display::read_ramps(&host::of(lua)?.input(&path), bits)?,
+        Some(path) => display::read_ramps(&host::of(lua)?.input(&path)?, bits)?,
         None => {
             let [red, green, blue] = CHANNELS.map(|channel| ramp(&options, channel));
             [red?, green?, blue?]
@@ -70,7 +70,7 @@ pub(super) fn ramps(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> 
     let path = arguments.text("path")?;
     let options = arguments.options(&["bits"])?;
     let bits = options.count("bits", 1, 16)?.unwrap_or(8) as u32;
-    let ramps = display::read_ramps(&host::of(lua)?.input(&path), bits)?;
+    let ramps = display::read_ramps(&host::of(lua)?.input(&path)?, bits)?;
     let table = lua.create_table()?;
     for (channel, patches) in CHANNELS.into_iter().zip(&ramps) {
         let rows = patches.iter().map(|patch| match patch.light {
@@ -91,7 +91,7 @@ pub(super) fn verify(
     const OBJECT: &str = "display:verify";
     let patches = match arguments.value() {
         Value::String(path) => {
-            let path = host::of(lua)?.input(&path.to_string_lossy());
+            let path = host::of(lua)?.input(&path.to_string_lossy())?;
             display::read_patches(&path, display.bits())?
         }
         value => {

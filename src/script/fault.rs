@@ -3,9 +3,11 @@
 use std::path::Path;
 
 use mlua::{Function, IntoLuaMulti, Lua, MultiValue, Table, Value};
+use serde_json::json;
 
 use super::host::Host;
 use crate::error::{Error, Hint};
+use crate::progress::Verbosity;
 
 /// What ends a script, as its user reads it.
 #[derive(Debug, thiserror::Error)]
@@ -14,6 +16,20 @@ pub struct ScriptFault {
     pub message: String,
     /// Ctrl-C, not a mistake.
     pub interrupted: bool,
+}
+
+impl ScriptFault {
+    /// The message as standard error's reader wants it.
+    pub fn report(&self, verbosity: Verbosity) -> String {
+        match verbosity {
+            Verbosity::Json => {
+                let Self { message, interrupted } = self;
+                json!({ "event": "error", "message": message, "interrupted": interrupted })
+                    .to_string()
+            }
+            Verbosity::Quiet | Verbosity::Bar => self.message.clone(),
+        }
+    }
 }
 
 impl From<mlua::Error> for ScriptFault {
@@ -40,7 +56,7 @@ impl From<Error> for mlua::Error {
 }
 
 /// Adds the innermost line of the script, while its stack still stands.
-fn located(lua: &Lua, error: mlua::Error) -> mlua::Error {
+pub(super) fn located(lua: &Lua, error: mlua::Error) -> mlua::Error {
     let mlua::Error::ExternalError(cause) = &error else {
         return error;
     };
@@ -74,7 +90,13 @@ pub(super) fn from_lua(error: mlua::Error, host: &Host) -> ScriptFault {
 
 fn message(error: &mlua::Error) -> String {
     match error {
-        mlua::Error::CallbackError { cause, .. } => message(cause),
+        mlua::Error::CallbackError { cause, traceback } => match method_without_self(cause) {
+            Some(problem) => match traced_line(traceback) {
+                Some(place) => format!("{place}: {problem}"),
+                None => problem,
+            },
+            None => message(cause),
+        },
         mlua::Error::RuntimeError(text) => without_traceback(text),
         mlua::Error::SyntaxError { message, .. } => message.clone(),
         mlua::Error::ExternalError(cause) => cause.to_string(),
@@ -82,6 +104,26 @@ fn message(error: &mlua::Error) -> String {
         mlua::Error::MemoryError(_) => "script: out of memory".to_owned(),
         other => without_traceback(&other.to_string()),
     }
+}
+
+/// `scene.render(view)`: the binding library refuses it before any code of ours runs.
+fn method_without_self(error: &mlua::Error) -> Option<String> {
+    match error {
+        mlua::Error::BadArgument { to: Some(method), name: Some(name), .. } if name == "self" => {
+            let method = method.rsplit('.').next().unwrap_or(method);
+            Some(format!("{method}: is a method, to be called with a colon: object:{method}(…)"))
+        }
+        _ => None,
+    }
+}
+
+/// `file:line` of the first line of a stack traceback that has one.
+fn traced_line(traceback: &str) -> Option<String> {
+    let frames = traceback.lines().filter_map(|line| line.trim().split_once(": in "));
+    let mut places = frames.map(|(place, _)| place);
+    places
+        .find(|place| !place.starts_with('[') && !place.starts_with("__") && place.contains(':'))
+        .map(str::to_owned)
 }
 
 fn without_traceback(text: &str) -> String {
@@ -94,6 +136,11 @@ pub(super) fn caught(lua: &Lua, error: Value) -> mlua::Result<Value> {
     if super::host::of(lua)?.is_interrupted() {
         return Err(Error::Interrupted.into());
     }
+    plain(lua, error)
+}
+
+/// The message in the place of an error's own object.
+pub(super) fn plain(lua: &Lua, error: Value) -> mlua::Result<Value> {
     match error {
         Value::Error(error) => Ok(Value::String(lua.create_string(message(&error))?)),
         other => Ok(other),

@@ -19,7 +19,7 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     module.set(
         "read",
         fault::function(lua, |lua, a| {
-            let path = host::of(lua)?.input(&Arguments::new("read", a, 1)?.text("path")?);
+            let path = host::of(lua)?.input(&Arguments::new("read", a, 1)?.text("path")?)?;
             std::fs::read_to_string(&path).map_err(|e| Error::io(&path, e).into())
         })?,
     )

@@ -2,15 +2,16 @@
 
 use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use mlua::Lua;
 
 use crate::error::{Error, Result};
 use crate::progress::{Progress, Verbosity};
+use crate::sweep::{self, Shard};
 
 /// What the command line says.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Settings {
     /// Everything written goes under this folder.
     pub out: PathBuf,
@@ -19,6 +20,12 @@ pub struct Settings {
     pub arguments: Vec<String>,
     /// Set by Ctrl-C.
     pub interrupted: Arc<AtomicBool>,
+    /// Folders to read from, besides the script's and the working directory.
+    pub read: Vec<PathBuf>,
+    /// Bytes that Lua may use; meshes, rays and images are not Lua's.
+    pub max_memory: Option<usize>,
+    /// The part of each sweep to render.
+    pub shard: Option<Shard>,
 }
 
 /// The surroundings of one script.
@@ -27,11 +34,27 @@ pub struct Host {
     pub script: PathBuf,
     pub settings: Settings,
     warnings: Arc<Mutex<Vec<(String, u32)>>>,
+    inputs: Arc<Mutex<Vec<Input>>>,
+    seeds: Arc<Mutex<Vec<(String, u64)>>>,
+}
+
+/// A file that the script read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Input {
+    /// As the script names it.
+    pub name: String,
+    pub path: PathBuf,
 }
 
 impl Host {
     pub fn new(script: &Path, settings: Settings) -> Self {
-        Self { script: script.to_owned(), settings, warnings: Arc::default() }
+        Self {
+            script: script.to_owned(),
+            settings,
+            warnings: Arc::default(),
+            inputs: Arc::default(),
+            seeds: Arc::default(),
+        }
     }
 
     pub fn is_interrupted(&self) -> bool {
@@ -46,10 +69,63 @@ impl Host {
         self.script.parent().unwrap_or(Path::new(""))
     }
 
-    /// Where a file to be read lies: the script's folder first, then the working directory.
-    pub fn input(&self, path: &str) -> PathBuf {
+    /// Where a file to be read lies: the script's folder first, then the working directory. It is
+    /// noted as an input.
+    ///
+    /// Errors: a file outside of both and of the folders of `--read`, also through a symbolic
+    /// link. A file that is not there is left to its reader to report.
+    pub fn input(&self, path: &str) -> Result<PathBuf> {
         let beside_script = self.script_folder().join(path);
-        if beside_script.exists() { beside_script } else { PathBuf::from(path) }
+        let found = if beside_script.exists() { beside_script } else { PathBuf::from(path) };
+        if found.exists() {
+            self.check_readable(path, &found)?;
+            self.note_input(path, &found);
+        }
+        Ok(found)
+    }
+
+    /// Notes a file that the script read.
+    pub(super) fn note_input(&self, name: &str, path: &Path) {
+        let input = Input { name: name.to_owned(), path: path.to_owned() };
+        let mut inputs = locked(&self.inputs);
+        if !inputs.contains(&input) {
+            inputs.push(input);
+        }
+    }
+
+    /// All files that the script has read so far, in the order of their first reading.
+    pub fn inputs(&self) -> Vec<Input> {
+        locked(&self.inputs).clone()
+    }
+
+    /// Notes the seed of a light's samples.
+    pub fn note_seed(&self, object: &str, seed: u64) {
+        let mut seeds = locked(&self.seeds);
+        let noted = (object.to_owned(), seed);
+        if !seeds.contains(&noted) {
+            seeds.push(noted);
+        }
+    }
+
+    /// Objects and seeds, in the order of their making.
+    pub fn seeds(&self) -> Vec<(String, u64)> {
+        locked(&self.seeds).clone()
+    }
+
+    /// Errors: `path`, once its symbolic links are followed, lies in no folder to read from.
+    pub(super) fn check_readable(&self, name: &str, path: &Path) -> Result<()> {
+        let real = path.canonicalize().map_err(|e| Error::io(path, e))?;
+        let script_folder = match self.script_folder() {
+            folder if folder == Path::new("") => Path::new("."),
+            folder => folder,
+        };
+        let folders = [script_folder, Path::new(".")].into_iter();
+        let mut folders = folders.chain(self.settings.read.iter().map(PathBuf::as_path));
+        if folders.any(|folder| folder.canonicalize().is_ok_and(|f| real.starts_with(f))) {
+            return Ok(());
+        }
+        let allowed = "files in the script's folder, the working directory and --read DIR";
+        Err(Error::out_of_range("input", "path", format!("\"{name}\""), allowed))
     }
 
     /// Where a file is to be written, its folder made.
@@ -84,23 +160,46 @@ impl Host {
         Ok(target)
     }
 
+    /// A folder of its own below the output folder, made. Errors: as [`Host::output`].
+    pub fn output_folder(&self, path: &str) -> Result<PathBuf> {
+        let file = self.output(&format!("{path}/{}", sweep::MANIFEST))?;
+        Ok(file.parent().unwrap_or(&self.settings.out).to_owned())
+    }
+
     /// Notes something that silently changes the picture; the same text is printed once, counted.
     pub fn warn(&self, text: impl Into<String>) {
         let text = text.into();
-        let mut warnings = self.warnings.lock().unwrap_or_else(|e| e.into_inner());
+        let mut warnings = locked(&self.warnings);
         match warnings.iter_mut().find(|(known, _)| *known == text) {
             Some((_, count)) => *count += 1,
             None => warnings.push((text, 1)),
         }
     }
 
+    /// So that the next warning is printed as if it were the first.
+    pub(super) fn forget_warnings(&self) {
+        locked(&self.warnings).clear();
+    }
+
     pub fn print_warnings(&self) {
-        let warnings = self.warnings.lock().unwrap_or_else(|e| e.into_inner());
-        for (text, count) in warnings.iter() {
+        for (text, count) in locked(&self.warnings).iter() {
             let times = if *count > 1 { format!(" ({count} times)") } else { String::new() };
-            eprintln!("warning: {text}{times}");
+            match self.settings.verbosity {
+                Verbosity::Json => {
+                    let event = serde_json::json!({
+                        "event": "warning", "text": text, "times": count
+                    });
+                    eprintln!("{event}");
+                }
+                Verbosity::Quiet | Verbosity::Bar => eprintln!("warning: {text}{times}"),
+            }
         }
     }
+}
+
+/// A thread that panicked leaves these lists as good as they were.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(|e| e.into_inner())
 }
 
 /// The host of a state.

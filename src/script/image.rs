@@ -6,20 +6,24 @@ use std::sync::Arc;
 use mlua::{Function, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
 use super::display::LuaDisplay;
+use super::host::Host;
 use super::options::{self, Arguments, Options, Range};
 use super::spectrum::LuaSpectrum;
+use super::view::MAX_SIDE;
 use super::{fault, host};
 use crate::display::{
-    self, Display, DisplayImage, Exposure, Gamut, Glare, GlareReport, Rendition, Tone,
+    self, Display, DisplayImage, Exposure, Gamut, GamutReport, Glare, GlareReport, Rendition, Tone,
 };
 use crate::error::Error;
 use crate::image::{Region, SpectralImage, XyzImage};
 use crate::image_difference::ImageDifference;
 use crate::memory;
 use crate::output;
+use crate::photometry;
 use crate::render::RenderStats;
 use crate::scene::{BuildSeconds, Prepared};
 use crate::spectrum::Spectrum;
+use crate::view::View;
 
 /// Handle of a rendered image.
 #[derive(Debug, Clone)]
@@ -29,21 +33,44 @@ pub struct LuaImage(Arc<Rendered>);
 struct Rendered {
     image: SpectralImage,
     stats: RenderStats,
+    view: View,
     build: BuildSeconds,
-    fov_deg: f64,
 }
 
-const NAMES: [&str; 9] =
-    ["compare", "height", "luminance", "luminances", "save", "spectrum", "stats", "width", "xyz"];
+/// A region that need not be that of a known image.
+pub(super) fn region(options: &Options) -> mlua::Result<Region> {
+    let place = |key, min, default| {
+        options.count(key, min, MAX_SIDE).map(|n| n.unwrap_or(default) as usize)
+    };
+    Ok(Region {
+        x: place("x", 0, 0)?,
+        y: place("y", 0, 0)?,
+        width: place("width", 1, 1)?,
+        height: place("height", 1, 1)?,
+    })
+}
+
+const NAMES: [&str; 10] = [
+    "compare",
+    "height",
+    "intensity",
+    "luminance",
+    "luminances",
+    "save",
+    "spectrum",
+    "stats",
+    "width",
+    "xyz",
+];
 
 impl LuaImage {
     pub(super) fn new(
         image: SpectralImage,
         stats: RenderStats,
+        view: View,
         prepared: &Prepared,
-        fov_deg: f64,
     ) -> Self {
-        Self(Arc::new(Rendered { image, stats, build: prepared.seconds, fov_deg }))
+        Self(Arc::new(Rendered { image, stats, view, build: prepared.seconds }))
     }
 
     pub(super) fn xyz_image(&self) -> XyzImage {
@@ -116,6 +143,11 @@ impl UserData for LuaImage {
             let difference = ImageDifference::between(&this.0.image, &reference.0.image)?;
             difference_table(lua, &difference)
         });
+        fault::method(methods, "intensity", |lua, this: &Self, a| {
+            Arguments::new("image:intensity", a, 0)?;
+            warn_of_cut_off(&host::of(lua)?, &this.0.image, &this.0.view);
+            Ok(photometry::intensity(&this.0.image, &this.0.view)?.y)
+        });
         fault::method(methods, "save", |lua, this: &Self, a| {
             save(lua, &this.0, Arguments::new("image:save", a, 2)?)
         });
@@ -128,7 +160,7 @@ impl UserData for LuaImage {
     }
 }
 
-const PNG_KEYS: [&str; 5] = ["display", "exposure", "gamut", "glare", "tone"];
+pub(super) const PNG_KEYS: [&str; 5] = ["display", "exposure", "gamut", "glare", "tone"];
 
 /// The kind of file follows from the path's ending.
 fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Result<Table> {
@@ -142,18 +174,9 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
             lua.create_table()
         }
         Some("png") => {
-            let shown = save_png(&target, rendered, &arguments.options(&PNG_KEYS)?)?;
-            let gamut = shown.image.gamut;
-            // What is too dark shows as the display's black, as anyone expects.
-            let (bright, saturated) = (gamut.too_bright, gamut.too_saturated);
-            if bright + saturated > 0 {
-                host.warn(format!(
-                    "{path}: the display cannot show {bright} pixels that are brighter than its \
-                     white and {saturated} that are more saturated than its primaries, of {}; up \
-                     to ΔE00 {:.1}",
-                    gamut.pixels, gamut.max_delta_e_2000
-                ));
-            }
+            let options = arguments.options(&PNG_KEYS)?;
+            let shown = save_png(&target, &rendered.image, &rendered.view, &options)?;
+            warn_of_gamut(&host, &path, &shown.image.gamut);
             png_stats(lua, &shown)
         }
         _ => {
@@ -164,18 +187,42 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
     }
 }
 
-/// What a display shows, and what was done to its light.
-pub(super) struct Shown {
-    pub image: DisplayImage,
-    glare: Option<GlareReport>,
+/// Light beyond the image is not in its intensity.
+pub(super) fn warn_of_cut_off(host: &Host, image: &SpectralImage, view: &View) {
+    if photometry::is_cut_off(image) {
+        host.warn(format!("intensity: light reaches the border of the image ({view})"));
+    }
 }
 
-fn save_png(target: &Path, rendered: &Rendered, options: &Options) -> mlua::Result<Shown> {
+/// What is too dark shows as the display's black, as anyone expects.
+pub(super) fn warn_of_gamut(host: &Host, path: &str, gamut: &GamutReport) {
+    let (bright, saturated) = (gamut.too_bright, gamut.too_saturated);
+    if bright + saturated > 0 {
+        host.warn(format!(
+            "{path}: the display cannot show {bright} pixels that are brighter than its white and \
+             {saturated} that are more saturated than its primaries, of {}; up to ΔE00 {:.1}",
+            gamut.pixels, gamut.max_delta_e_2000
+        ));
+    }
+}
+
+/// A PNG that was written, and what was done to its light.
+pub(super) struct Shown {
+    pub image: DisplayImage,
+    pub glare: Option<GlareReport>,
+}
+
+pub(super) fn save_png(
+    target: &Path,
+    image: &SpectralImage,
+    view: &View,
+    options: &Options,
+) -> mlua::Result<Shown> {
     let display = options.handle::<LuaDisplay>("display", "a display")?;
     let display = display.map_or_else(Display::srgb, |d| Arc::unwrap_or_clone(d.0));
-    let shown = present_rendered(rendered, &display, options)?;
+    let shown = present_seen(image, view, &display, options)?;
     let mut raster = output::display_raster(&shown.image, &display)?;
-    raster.metadata = rendered.image.metadata.clone();
+    raster.metadata = image.metadata.clone();
     output::write_png(target, &raster)?;
     Ok(shown)
 }
@@ -186,11 +233,12 @@ pub(super) fn present(
     display: &Display,
     options: &Options,
 ) -> mlua::Result<Shown> {
-    present_rendered(&image.0, display, options)
+    present_seen(&image.0.image, &image.0.view, display, options)
 }
 
-fn present_rendered(
-    rendered: &Rendered,
+fn present_seen(
+    image: &SpectralImage,
+    view: &View,
     display: &Display,
     options: &Options,
 ) -> mlua::Result<Shown> {
@@ -210,10 +258,9 @@ fn present_rendered(
     let gamut = options.choice("gamut", &gamuts)?.unwrap_or_default();
     let rendition = Rendition { exposure: exposure(options)?, tone, gamut };
     let (seen, glare) = match glare(options)? {
-        None => (rendered.image.to_xyz(), None),
+        None => (image.to_xyz(), None),
         Some(glare) => {
-            let image = rendered.image.to_xyz();
-            let (seen, report) = display::apply_glare(&image, rendered.fov_deg, &glare)?;
+            let (seen, report) = display::apply_glare(&image.to_xyz(), view.fov_deg, &glare)?;
             (seen, Some(report))
         }
     };

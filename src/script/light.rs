@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
+use super::host::Host;
 use super::image::LuaImage;
 use super::mesh::placement;
 use super::options::{self, Arguments, Options, Range};
@@ -48,7 +49,7 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let keys = ["flux", "samples", "seed", "spectrum", "start", "transform"];
     let options = arguments.options(&keys)?;
     let host = host::of(lua)?;
-    let file = rayfile::read(&host.input(&path))?;
+    let file = rayfile::read(&host.input(&path)?)?;
     for warning in &file.warnings {
         host.warn(format!("{path}: {warning}"));
     }
@@ -58,7 +59,7 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     };
     let (mut rays, spectrum) = file.into_light(given)?;
     if let Some(count) = options.count("samples", 1, MAX_SAMPLES)? {
-        rays = rays.thinned(count as usize, seed(&options)?);
+        rays = rays.thinned(count as usize, seed(&host, &options)?);
     }
     if options.has("start")? {
         rays = rays.starting_at(&start_surface(options.value("start")?)?)?;
@@ -66,11 +67,13 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     placed(LuaLight { rays, spectrum: Arc::new(spectrum) }, options.value("transform")?)
 }
 
-/// Draws repeat: the same seed gives the same samples.
-pub(super) fn seed(options: &Options) -> mlua::Result<u64> {
+/// Draws repeat: the same seed gives the same samples. Manifests name it.
+pub(super) fn seed(host: &Host, options: &Options) -> mlua::Result<u64> {
     /// Every whole number up to here is a number of Lua's.
     const LAST: u64 = 1 << 53;
-    Ok(options.count("seed", 0, LAST)?.unwrap_or(thinning::DEFAULT_SEED))
+    let seed = options.count("seed", 0, LAST)?.unwrap_or(thinning::DEFAULT_SEED);
+    host.note_seed(options.object(), seed);
+    Ok(seed)
 }
 
 /// `{axis =, through =}` or `{point =}`, with an optional `radius`.
@@ -180,7 +183,7 @@ impl LuaLight {
 
 /// The relative error that a picture has from the number of rays alone: that of its luminance, from
 /// pictures with disjoint halves of the set, which the script's `image` function takes.
-fn noise(light: &LuaLight, options: &Options) -> mlua::Result<f64> {
+fn noise(host: &Host, light: &LuaLight, options: &Options) -> mlua::Result<f64> {
     const EXPECTED: &str = "a function that renders an image with the ray set that it is given";
     let object = options.object();
     if light.rays.samples.len() < 2 {
@@ -188,7 +191,7 @@ fn noise(light: &LuaLight, options: &Options) -> mlua::Result<f64> {
     }
     let take = options.required_function("image", EXPECTED)?;
     let splits = options.count("splits", 1, 1000)?.unwrap_or(1);
-    let first_seed = seed(options)?;
+    let first_seed = seed(host, options)?;
     let mut pairs: Vec<[f64; 2]> = Vec::new();
     for split in 0..splits {
         let pictures = light.halves(first_seed + split).map(|half| {
@@ -245,13 +248,14 @@ impl UserData for LuaLight {
             let surface = start_surface(Arguments::new("rayset:starting_at", a, 1)?.value())?;
             Ok(Self { rays: this.rays.clone().starting_at(&surface)?, ..this.clone() })
         });
-        fault::method(methods, "halves", |_, this: &Self, a| {
+        fault::method(methods, "halves", |lua, this: &Self, a| {
             let options = Arguments::new("rayset:halves", a, 1)?.options(&["seed"])?;
-            let [first, second] = this.halves(seed(&options)?);
+            let [first, second] = this.halves(seed(&host::of(lua)?, &options)?);
             Ok((first, second))
         });
-        fault::method(methods, "noise", |_, this: &Self, a| {
+        fault::method(methods, "noise", |lua, this: &Self, a| {
             noise(
+                &host::of(lua)?,
                 this,
                 &Arguments::new("rayset:noise", a, 1)?.options(&["image", "seed", "splits"])?,
             )

@@ -50,7 +50,7 @@ fn points(lua: &Lua, options: &Options) -> mlua::Result<Vec<(f64, f64)>> {
     const EXPECTED: &str = "a list of {angle, value}, or \"file\"";
     if let Some(path) = options.text("file")? {
         let column = options.count("column", 2, 1000)?.unwrap_or(2) as usize;
-        return Ok(columns::read(&host::of(lua)?.input(&path), column)?.rows);
+        return Ok(columns::read(&host::of(lua)?.input(&path)?, column)?.rows);
     }
     let rows = options.required_list("points", EXPECTED)?;
     let point = |(at, row): (usize, &Value)| {

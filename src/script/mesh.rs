@@ -47,7 +47,7 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let options = arguments.options(&["group", "scale", "smooth"])?;
     let scale = options.number_or("scale", Range::above_zero(""), 1.0)?;
     let smooth = options.flag("smooth", true)?;
-    let path = host::of(lua)?.input(&path);
+    let path = host::of(lua)?.input(&path)?;
     let mesh = obj::load(&path, options.text("group")?.as_deref())?;
     let placed = if scale == 1.0 {
         mesh

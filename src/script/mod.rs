@@ -6,7 +6,9 @@
 mod fault;
 mod host;
 mod options;
+mod repl;
 mod sandbox;
+mod starter;
 
 mod display;
 mod display_fit;
@@ -19,9 +21,12 @@ mod lobe_fit;
 mod material;
 mod mesh;
 mod paths;
+mod photometry;
 mod scene;
 mod spectrum;
+mod sweep;
 mod view;
+mod views;
 
 use std::path::Path;
 
@@ -29,6 +34,8 @@ use mlua::{Lua, Table};
 
 pub use fault::ScriptFault;
 pub use host::{Host, Settings};
+pub use repl::repl;
+pub use starter::write_starter;
 
 /// Runs a script file.
 ///
@@ -66,6 +73,8 @@ fn module(lua: &Lua) -> mlua::Result<Table> {
     view::register(lua, &module)?;
     scene::register(lua, &module)?;
     display::register(lua, &module)?;
+    sweep::register(lua, &module)?;
+    photometry::register(lua, &module)?;
     lobe_fit::register(lua, &module)?;
     figure::register(lua, &module)?;
     file::register(lua, &module)?;

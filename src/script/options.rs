@@ -82,12 +82,9 @@ impl Options {
                 return Err(wrong_type(object, "argument", &other, "a table of options").into());
             }
         };
-        for pair in table.iter().flat_map(|t| t.pairs::<Value, Value>()) {
-            let (key, _) = pair?;
-            let text = key_text(&key);
-            if !(key.is_string() && known.contains(&text.as_str())) {
-                return Err(unknown_key(object, &text, known).into());
-            }
+        let is_known = |key: &Value| key.is_string() && known.contains(&key_text(key).as_str());
+        if let Some(key) = table.as_ref().map_or(Ok(None), |t| first_key(t, |k| !is_known(k)))? {
+            return Err(unknown_key(object, &key, known).into());
         }
         Ok(Self { object: object.to_owned(), table })
     }
@@ -158,6 +155,10 @@ impl Options {
         }
     }
 
+    pub fn required_text(&self, key: &str, expected: &str) -> mlua::Result<String> {
+        self.text(key)?.ok_or_else(|| self.missing(key, expected))
+    }
+
     /// One of a fixed set of words.
     pub fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> mlua::Result<Option<T>> {
         let Some(word) = self.text(key)? else {
@@ -223,6 +224,19 @@ impl Options {
     pub fn required_function(&self, key: &str, expected: &str) -> mlua::Result<mlua::Function> {
         self.function(key)?.ok_or_else(|| self.missing(key, expected))
     }
+}
+
+/// Of the keys that pass, the first by its text: Lua's own order differs from run to run.
+fn first_key(table: &Table, passes: impl Fn(&Value) -> bool) -> mlua::Result<Option<String>> {
+    let mut first: Option<String> = None;
+    for pair in table.pairs::<Value, Value>() {
+        let (key, _) = pair?;
+        if passes(&key) {
+            let text = key_text(&key);
+            first = Some(first.map_or(text.clone(), |known| known.min(text)));
+        }
+    }
+    Ok(first)
 }
 
 /// What a value is, for a message.
@@ -312,16 +326,11 @@ pub fn list(object: &str, what: &str, value: &Value, expected: &str) -> mlua::Re
         return Err(wrong_type(object, what, value, expected).into());
     };
     let entries: Vec<Value> = table.sequence_values().collect::<mlua::Result<_>>()?;
-    let mut pairs = 0;
-    for pair in table.pairs::<Value, Value>() {
-        let (key, _) = pair?;
-        pairs += 1;
-        if !key.is_integer() {
-            let found = format!("{what} has the key \"{}\"", key_text(&key));
-            return Err(Error::inconsistent(object, format!("{found}, expected {expected}")).into());
-        }
+    if let Some(key) = first_key(table, |key| !key.is_integer())? {
+        let found = format!("{what} has the key \"{key}\"");
+        return Err(Error::inconsistent(object, format!("{found}, expected {expected}")).into());
     }
-    if pairs != entries.len() {
+    if table.pairs::<Value, Value>().count() != entries.len() {
         let gap = format!("{what} has a gap after entry {}", entries.len());
         return Err(Error::inconsistent(object, gap).into());
     }

@@ -2,6 +2,7 @@
 
 use mlua::{Lua, Table};
 
+use super::host;
 use super::options::{self, Arguments, Range};
 use super::scene::{LuaScene, quality};
 use super::view::LuaView;
@@ -22,7 +23,7 @@ pub(super) fn paths(
     let (width, height) = (view.0.width as f64, view.0.height as f64);
     let x = options.number_or("x", Range::new(0.0, width, "pixels"), 0.5 * width)?;
     let y = options.number_or("y", Range::new(0.0, height, "pixels"), 0.5 * height)?;
-    let prepared = scene.prepared()?;
+    let prepared = scene.prepared(&host::of(lua)?)?;
     let segments = render::trace_paths(&prepared, &view.0, &quality(options)?, [x, y])?;
     segments.iter().map(|segment| segment_table(lua, segment)).collect()
 }

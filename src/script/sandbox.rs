@@ -35,6 +35,8 @@ pub(super) fn new_state() -> mlua::Result<Lua> {
     }
     globals.get::<Table>("string")?.set("dump", Value::Nil)?;
     globals.set("load", lua.create_function(load_text)?)?;
+    // Lua seeds itself from the clock and an address: the same script would draw other numbers.
+    globals.get::<Table>("math")?.get::<mlua::Function>("randomseed")?.call::<()>(0)?;
     replace_pcall(&lua)?;
     Ok(lua)
 }
@@ -42,20 +44,26 @@ pub(super) fn new_state() -> mlua::Result<Lua> {
 /// `pcall` and `xpcall` that give scripts a plain message, and let Ctrl-C through.
 fn replace_pcall(lua: &Lua) -> mlua::Result<()> {
     const WRAPPERS: &str = r#"
-        local raw_pcall, raw_xpcall, caught = ...
+        local raw_pcall, raw_xpcall, caught, plain = ...
         local function checked(ok, ...)
             if ok then return true, ... end
             return false, caught((...))
         end
+        local function finished(ok, ...)
+            if not ok then caught(nil) end
+            return ok, ...
+        end
         local function pcall(f, ...) return checked(raw_pcall(f, ...)) end
         local function xpcall(f, handler, ...)
-            return raw_xpcall(f, function(e) return handler(caught(e)) end, ...)
+            -- An error of the handler's would be swallowed, so that Ctrl-C is looked for after it.
+            return finished(raw_xpcall(f, function(e) return handler(plain(e)) end, ...))
         end
         return pcall, xpcall
     "#;
     let globals = lua.globals();
     let caught = lua.create_function(fault::caught)?;
-    let raw = (globals.get::<Value>("pcall")?, globals.get::<Value>("xpcall")?, caught);
+    let plain = lua.create_function(fault::plain)?;
+    let raw = (globals.get::<Value>("pcall")?, globals.get::<Value>("xpcall")?, caught, plain);
     let (pcall, xpcall): (Value, Value) = lua.load(WRAPPERS).set_name("=__pcall").call(raw)?;
     globals.set("pcall", pcall)?;
     globals.set("xpcall", xpcall)
@@ -115,8 +123,11 @@ fn chunk_text(chunk: Value) -> mlua::Result<Vec<u8>> {
     }
 }
 
-/// Ends the script at Ctrl-C, and hands it its arguments.
+/// Limits the memory, ends the script at Ctrl-C, and hands it its arguments.
 pub(super) fn limit(lua: &Lua, host: &Host) -> mlua::Result<()> {
+    if let Some(bytes) = host.settings.max_memory {
+        lua.set_memory_limit(bytes)?;
+    }
     let interrupted = host.settings.interrupted.clone();
     let triggers = HookTriggers::new().every_nth_instruction(INTERRUPT_INTERVAL);
     lua.set_global_hook(triggers, move |_, _| {
@@ -169,6 +180,10 @@ fn load_module(lua: &Lua, name: &str) -> mlua::Result<Value> {
     }
     let host = host::of(lua)?;
     let path = host.script_folder().join(format!("{}.lua", name.replace('.', "/")));
+    if path.exists() {
+        host.check_readable(name, &path)?;
+        host.note_input(&format!("{}.lua", name.replace('.', "/")), &path);
+    }
     let source = std::fs::read(&path).map_err(|e| Error::io(&path, e))?;
     let chunk = lua.load(source).set_name(format!("@{}", path.display()));
     chunk.set_mode(ChunkMode::Text).call(name)

@@ -4,6 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
 
+use super::host::Host;
 use super::image::LuaImage;
 use super::light::LuaLight;
 use super::material::LuaMaterial;
@@ -15,15 +16,19 @@ use super::{fault, host, paths};
 use crate::error::Error;
 use crate::light::Photometry;
 use crate::material::Material;
+use crate::plausibility;
 use crate::render::{self, Quality, Samples};
 use crate::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
 use crate::spectrum::Spectrum;
+use crate::sweep::{self, Digest};
+use crate::view::View;
 
 /// Handle of a scene; prepared at its first render and then kept.
 #[derive(Debug, Clone)]
 pub struct LuaScene {
     scene: Arc<Scene>,
     prepared: Arc<OnceLock<Arc<Prepared>>>,
+    fingerprint: Arc<OnceLock<Digest>>,
 }
 
 const KEYS: [&str; 6] = ["ambient", "background", "lights", "objects", "photometry", "shadows"];
@@ -68,7 +73,7 @@ fn scene(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
     scene.check()?;
     let host = host::of(lua)?;
     scene.warnings().into_iter().for_each(|warning| host.warn(warning));
-    Ok(LuaScene { scene: Arc::new(scene), prepared: Arc::default() })
+    Ok(LuaScene { scene: Arc::new(scene), prepared: Arc::default(), fingerprint: Arc::default() })
 }
 
 #[derive(Default)]
@@ -93,12 +98,23 @@ impl Parts {
 }
 
 impl LuaScene {
-    pub(super) fn prepared(&self) -> mlua::Result<Arc<Prepared>> {
+    /// Built at the first call, which warns of what looks unintended.
+    pub(super) fn prepared(&self, host: &Host) -> mlua::Result<Arc<Prepared>> {
         if let Some(prepared) = self.prepared.get() {
             return Ok(Arc::clone(prepared));
         }
         let prepared = Arc::new(Scene::clone(&self.scene).prepare()?);
+        plausibility::of_scene(&prepared).into_iter().for_each(|warning| host.warn(warning));
         Ok(Arc::clone(self.prepared.get_or_init(|| prepared)))
+    }
+
+    pub(super) fn flux_lm(&self) -> f64 {
+        self.scene.lights.iter().map(|light| light.rays.flux_lm).sum()
+    }
+
+    /// Of all that a picture depends on, but view and quality.
+    pub(super) fn fingerprint(&self) -> &Digest {
+        self.fingerprint.get_or_init(|| sweep::of_scene(&self.scene))
     }
 
     fn render(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaImage> {
@@ -106,11 +122,12 @@ impl LuaScene {
         let view: LuaView = options::handle("scene:render", "argument 1", &value, "a view")?;
         let quality = quality(arguments.options(&QUALITY_KEYS)?)?;
         let host = host::of(lua)?;
-        let prepared = self.prepared()?;
+        let prepared = self.prepared(&host)?;
+        warn_of_view(&host, &prepared, &view.0);
         let progress = host.progress(view.0.pixels());
         let (mut image, stats) = render::render(&prepared, &view.0, &quality, &progress)?;
         image.metadata.insert("script".to_owned(), host.script.display().to_string());
-        Ok(LuaImage::new(image, stats, &prepared, view.0.fov_deg))
+        Ok(LuaImage::new(image, stats, view.0, &prepared))
     }
 }
 
@@ -124,7 +141,7 @@ impl LuaScene {
         let options = arguments.options(&keys)?;
         let hits = options.count("hits", 1, 1_000_000)?.unwrap_or(300) as usize;
         let quality = quality(options)?;
-        let prepared = self.prepared()?;
+        let prepared = self.prepared(&host::of(lua)?)?;
         let check = render::check_light_error(&prepared, &view.0, &quality, hits)?;
         let check = check.ok_or_else(|| {
             Error::inconsistent(OBJECT, "no light arrives at what the view shows")
@@ -137,6 +154,10 @@ impl LuaScene {
         table.set("largest_of_estimate", check.largest_of_estimate)?;
         Ok(table)
     }
+}
+
+pub(super) fn warn_of_view(host: &Host, prepared: &Prepared, view: &View) {
+    plausibility::of_view(prepared, view).into_iter().for_each(|warning| host.warn(warning));
 }
 
 /// Errors: keys and ranges of the quality options.

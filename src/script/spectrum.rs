@@ -62,7 +62,7 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaSpectrum> {
     let path = arguments.text("path")?;
     let options = arguments.options(&["column"])?;
     let column = options.count("column", 2, 1000)?.unwrap_or(2);
-    let path = host::of(lua)?.input(&path);
+    let path = host::of(lua)?.input(&path)?;
     Ok(new_handle(Spectrum::from_csv(&path, column as usize)?))
 }
 
@@ -121,11 +121,11 @@ impl UserData for LuaSpectrum {
         fault::method(methods, "luminous_flux", |_, this: &Self, _| {
             Ok(this.0.luminous_flux(WavelengthGrid::Step5))
         });
-        methods.add_meta_function(MetaMethod::Mul, |_, (a, b): (Value, Value)| {
-            combine("spectrum *", &a, &b, Spectrum::product)
+        methods.add_meta_function(MetaMethod::Mul, |lua, (a, b): (Value, Value)| {
+            combine("spectrum *", &a, &b, Spectrum::product).map_err(|e| fault::located(lua, e))
         });
-        methods.add_meta_function(MetaMethod::Add, |_, (a, b): (Value, Value)| {
-            combine("spectrum +", &a, &b, Spectrum::sum)
+        methods.add_meta_function(MetaMethod::Add, |lua, (a, b): (Value, Value)| {
+            combine("spectrum +", &a, &b, Spectrum::sum).map_err(|e| fault::located(lua, e))
         });
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| Ok(summary(&this.0)));
         fault::refuse_unknown_fields(methods, "spectrum", &NAMES);

@@ -14,7 +14,7 @@ pub struct LuaView(pub View);
 const KEYS: [&str; 7] = ["azimuth", "elevation", "distance", "target", "fov", "width", "height"];
 
 /// Pixels a side: beyond this an image of 81 bands does not fit any machine.
-const MAX_SIDE: u64 = 65_536;
+pub(super) const MAX_SIDE: u64 = 65_536;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     module.set("view", fault::function(lua, |_, a| view(Arguments::new("view", a, 1)?))?)

@@ -44,9 +44,18 @@ impl Bands {
         }
     }
 
-    /// Σ self b.
+    /// Σ self b, in four sums side by side: one alone would wait for each addition.
     pub fn dot(&self, b: &Self) -> f64 {
-        self.as_slice().iter().zip(b.as_slice()).map(|(a, b)| a * b).sum()
+        let (fours, rest) = self.as_slice().as_chunks::<4>();
+        let (b_fours, b_rest) = b.as_slice().as_chunks::<4>();
+        let mut sums = [0.0; 4];
+        for (a, b) in fours.iter().zip(b_fours) {
+            for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+                *sum += a * b;
+            }
+        }
+        let rest: f64 = rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+        (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
     }
 
     /// self += a b.

@@ -3,5 +3,6 @@
 mod closed_cases;
 mod determinism;
 mod goldens;
+mod intensity;
 mod lens_colors;
 mod stage;

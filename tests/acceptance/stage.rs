@@ -8,7 +8,6 @@ use lampyris::geometry::{DVec3, Mesh};
 use lampyris::image::SpectralImage;
 use lampyris::light::{Photometry, RaySample, RaySet};
 use lampyris::material::{Lobes, Material, SpecularLobe};
-use lampyris::progress::Verbosity;
 use lampyris::render::{Quality, Samples, Unwatched, render};
 use lampyris::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
 use lampyris::script::{self, Settings};
@@ -118,9 +117,8 @@ pub fn scratch(test: &str) -> PathBuf {
 pub fn run_script(script: &Path, out: &Path, arguments: &[&str]) {
     let settings = Settings {
         out: out.to_owned(),
-        verbosity: Verbosity::Quiet,
         arguments: arguments.iter().map(|&a| a.to_owned()).collect(),
-        interrupted: Arc::default(),
+        ..Settings::default()
     };
     script::run(script, settings).expect("the script runs");
 }

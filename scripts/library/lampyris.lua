@@ -1,0 +1,557 @@
+---@meta lampyris
+--
+-- The interface of Lampyris for the Lua language server: put this folder into
+-- "workspace.library", and editors know names, units and ranges.
+--
+-- Lengths in mm, angles in degrees, wavelengths in nm, flux in lm. Vectors are {x, y, z}.
+
+---@alias vector number[]  {x, y, z}
+
+---@class lampyris
+---@field version string  of the program
+local lampyris = {}
+
+-- Spectra ---------------------------------------------------------------------------------------
+
+---@class lampyris.spectrum
+lampyris.spectrum = {}
+
+---Values over wavelength: linear between its rows, constant outside of them.
+---@class Spectrum
+---@operator mul(Spectrum|number): Spectrum
+---@operator add(Spectrum|number): Spectrum
+local Spectrum = {}
+
+---@class SpectrumLoadOptions
+---@field column? integer  1-based, 2 or more; default 2
+
+---Reads a CSV file: wavelength in nm, values; '#' starts a comment.
+---@param path string
+---@param options? SpectrumLoadOptions
+---@return Spectrum
+function lampyris.spectrum.load(path, options) end
+
+---@param rows number[][]  {{nm, value}, …}, wavelengths ascending
+---@return Spectrum
+function lampyris.spectrum.new(rows) end
+
+---@param value number
+---@return Spectrum
+function lampyris.spectrum.constant(value) end
+
+---Planck's law, 1 at 560 nm.
+---@param temperature number  K, 100 to 1e9
+---@return Spectrum
+function lampyris.spectrum.blackbody(temperature) end
+
+---@param name "A"|"D65"|"E"
+---@return Spectrum
+function lampyris.spectrum.illuminant(name) end
+
+---@param wavelength number  nm, above 0
+---@return number
+function Spectrum:at(wavelength) end
+
+---Values from 380 to 780 nm.
+---@param step? 5|10|20  nm; default 5
+---@return number[]
+function Spectrum:values(step) end
+
+---Tristimulus values (eq. 4).
+---@return number X, number Y, number Z
+function Spectrum:xyz() end
+
+---Chromaticity.
+---@return number x, number y
+function Spectrum:xy() end
+
+---683 Σ s(λ) V(λ) Δλ, lm for a spectrum in W/nm.
+---@return number
+function Spectrum:luminous_flux() end
+
+-- Meshes ----------------------------------------------------------------------------------------
+
+---@class lampyris.mesh
+lampyris.mesh = {}
+
+---@class Mesh
+---@field triangle_count integer
+---@field bounds vector[]  lowest and highest corner, mm
+local Mesh = {}
+
+---@class MeshLoadOptions
+---@field smooth? boolean  interpolated normals (eq. 3); default true
+---@field scale? number  above 0; default 1
+---@field group? string  only this group of the file; default all
+
+---Reads an OBJ file.
+---@param path string
+---@param options? MeshLoadOptions
+---@return Mesh
+function lampyris.mesh.load(path, options) end
+
+---@class MeshNewOptions
+---@field positions vector[]  mm
+---@field triangles integer[][]  {{i, j, k}, …}, 1-based, counter-clockwise from the front
+---@field normals? vector[]  one a position; default: means of the adjoining faces' normals
+---@field smooth? boolean  default true
+
+---@param options MeshNewOptions
+---@return Mesh
+function lampyris.mesh.new(options) end
+
+---@class MeshSurfaceOptions
+---@field point fun(u: number, v: number): number, number, number  u, v 0 to 1; x, y, z in mm
+---@field keep? fun(x: number, y: number, z: number): boolean  default: everything
+---@field nu? integer  cells along u, 1 to 100000; default 100
+---@field nv? integer  cells along v; default 100
+---@field smooth? boolean  default true
+
+---A grid of points; its front is the side of ∂/∂u × ∂/∂v.
+---@param options MeshSurfaceOptions
+---@return Mesh
+function lampyris.mesh.surface(options) end
+
+---One mesh of several.
+---@param meshes Mesh[]
+---@return Mesh
+function lampyris.mesh.merge(meshes) end
+
+---@class Rotation
+---@field axis? vector  default {0, 1, 0}
+---@field angle number  degrees, right-handed
+
+---Scaled, then turned, then moved.
+---@class Transform
+---@field translate? vector  mm
+---@field rotate? Rotation
+---@field scale? number  above 0; default 1
+
+---@param transform Transform
+---@return Mesh
+function Mesh:transform(transform) end
+
+---Writes an OBJ file below the output folder.
+---@param path string
+function Mesh:save(path) end
+
+-- Materials -------------------------------------------------------------------------------------
+
+---@class MaterialOptions
+---@field name? string  for messages
+---@field reflectance? Spectrum|number  F_r, 0 to 1; default 0
+---@field transmittance? Spectrum|number  F_t, 0 to 1; default none: opaque
+---@field thickness? number  mm, above 0: F_t is the internal transmittance of this thickness; default none: F_t at every interface crossed
+---@field ior? number  1 to 4; default none: rays go straight through
+---@field k_d? number  proportion of the diffuse lobe, 0 to 1; default 0
+---@field n_d? number  its exponent, 1 to 1e6; default 1, Lambert's
+---@field k_s? number|number[]  proportion of the specular lobe (or of several), 0 to 1; default 0
+---@field n_s? number|number[]  its exponent, 1 to 1e6; default 1
+---@field k_rg? number  proportion of the mirrored ray, 0 to 1; default 0
+---@field k_tg? number  proportion of the transmitted ray, 0 to 1; default 0
+---@field k_a? number  proportion of the ambient light, 0 to 1; default 0
+
+---@class Material
+
+---@param options MaterialOptions
+---@return Material
+function lampyris.material(options) end
+
+---@class LobeFitOptions
+---@field points? number[][]  {{angle, value}, …}, degrees from the lobe's direction
+---@field file? string  instead of points: a CSV file of angle and value
+---@field column? integer  of the values in the file; default 2
+---@field range? number[]  {from, to} in degrees; default {0, 90}
+---@field weights? number[]  one a point, 0 or more; default 1
+---@field lobes? 1|2  default 1
+---@field space? "linear"|"log"  what least squares are taken of; default "linear"
+
+---@class LobeFit
+---@field n number
+---@field n_error number
+---@field amplitude number
+---@field amplitude_error number
+---@field rms number
+---@field rms_decades number
+---@field points integer
+---@field lobes table[]
+---@field eval fun(angle: number): number
+
+---Fits A cosⁿ to measured pairs (Fig. 3).
+---@param options LobeFitOptions
+---@return LobeFit
+function lampyris.fit_lobe(options) end
+
+-- Lights ----------------------------------------------------------------------------------------
+
+---@class lampyris.rayset
+lampyris.rayset = {}
+
+---@class Rayset
+---@field count integer
+---@field flux number  lm
+---@field spectrum Spectrum
+local Rayset = {}
+
+---@class StartSurface
+---@field axis? vector  of a line that the rays start nearest to
+---@field through? vector  a point of the line, mm; default {0, 0, 0}
+---@field point? vector  instead of a line, mm
+---@field radius? number  mm, 0 or more; default 0
+
+---@class RaysetLoadOptions
+---@field spectrum? Spectrum  default: the file's
+---@field flux? number  lm, above 0; default: the header's, else the sum of the rays
+---@field samples? integer  keep this many rays, drawn evenly; default all
+---@field seed? integer  of the draw, 0 to 2^53
+---@field start? StartSurface  moves the rays' starts along the rays; default: as they are
+---@field transform? Transform
+
+---Reads a ray file: TM-25, Zemax, LightTools, ASAP, CSV, told apart by content.
+---@param path string
+---@param options? RaysetLoadOptions
+---@return Rayset
+function lampyris.rayset.load(path, options) end
+
+---@class RaysetNewOptions
+---@field positions vector[]  mm
+---@field directions vector[]
+---@field flux number|number[]  lm in all, or one a ray
+---@field spectrum Spectrum
+
+---@param options RaysetNewOptions
+---@return Rayset
+function lampyris.rayset.new(options) end
+
+---@class CylinderOptions
+---@field radius number  mm, above 0
+---@field length number  mm, above 0
+---@field flux number  lm, above 0
+---@field spectrum Spectrum
+---@field center? vector  mm; default {0, 0, 0}
+---@field axis? vector  default {1, 0, 0}
+---@field samples? integer  default 10000
+---@field seed? integer  0 to 2^53
+
+---The comparison source of Fig. 8: a cylinder that emits evenly from its lateral surface.
+---@param options CylinderOptions
+---@return Rayset
+function lampyris.cylinder(options) end
+
+---@class FilamentOptions
+---@field wire_radius number  mm, above 0
+---@field coil_radius number  mm, above 0
+---@field pitch number  mm a turn, above 0
+---@field turns number  above 0
+---@field flux number  lm, above 0
+---@field spectrum Spectrum
+---@field center? vector  mm; default {0, 0, 0}
+---@field axis? vector  default {1, 0, 0}
+---@field samples? integer  default 100000
+---@field seed? integer  0 to 2^53
+
+---A coiled filament.
+---@param options FilamentOptions
+---@return Rayset
+function lampyris.filament(options) end
+
+---@class BulbOptions
+---@field center? vector  of the light, mm; default {0, 0, 0}
+---@field axis? vector  of the cap, pointing to the filament; default {0, 0, 1}
+---@field filament_axis? vector  default {1, 0, 0}
+---@field filament? "major"|"minor"  default "major"
+---@field flux? number  lm, above 0; default: the category's
+---@field spectrum? Spectrum  default: the category's
+---@field samples? integer  default 100000
+---@field seed? integer  0 to 2^53
+
+---A bulb by its UN R37 category.
+---@param category "P21W"|"PY21W"|"P21/5W"|"PY21/5W"|"W5W"
+---@param options? BulbOptions
+---@return Rayset
+function lampyris.bulb(category, options) end
+
+---@param transform Transform
+---@return Rayset
+function Rayset:transform(transform) end
+
+---Writes a ray file below the output folder; its kind follows from the name's ending.
+---@param path string
+function Rayset:save(path) end
+
+---@class RaysetHalvesOptions
+---@field seed? integer  0 to 2^53
+
+---Two disjoint halves, drawn evenly, with the whole flux each.
+---@param options? RaysetHalvesOptions
+---@return Rayset, Rayset
+function Rayset:halves(options) end
+
+---@class RaysetNoiseOptions
+---@field image fun(rays: Rayset): Image
+---@field seed? integer  0 to 2^53
+---@field splits? integer  1 to 1000; default 1
+
+---Relative error of a picture from the number of rays alone.
+---@param options RaysetNoiseOptions
+---@return number
+function Rayset:noise(options) end
+
+-- Scene, view, render ---------------------------------------------------------------------------
+
+---@class Object
+---@field mesh Mesh
+---@field material Material
+
+---@class SceneOptions
+---@field objects Object[]
+---@field lights? Rayset[]  default none
+---@field background? Spectrum|number  0 or more; default 0
+---@field ambient? Spectrum|number  0 or more; default 0
+---@field photometry? "relative"|"absolute"  default "relative"
+---@field shadows? boolean  default false
+
+---@class Scene
+local Scene = {}
+
+---@param options SceneOptions
+---@return Scene
+function lampyris.scene(options) end
+
+---@class ViewOptions
+---@field azimuth? number  degrees to the right, −360 to 360; default 0
+---@field elevation? number  degrees up, −90 to 90; default 0
+---@field distance? number  mm from eye to target, above 0; default 3000
+---@field target? vector  mm; default {0, 0, 0}
+---@field fov? number  full vertical angle, degrees, between 0 and 180; default 6
+---@field width? integer  pixels; default 640
+---@field height? integer  pixels; default 480
+
+---@class View: ViewOptions
+
+---@param options ViewOptions
+---@return View
+function lampyris.view(options) end
+
+---@class AdaptiveSamples
+---@field min? integer  2 or more; default 4
+---@field max? integer  default 256
+---@field error? number  relative standard error of a pixel's luminance; default 0.01
+
+---@class Quality
+---@field samples? integer|AdaptiveSamples  per pixel; 1 is the pixel's center; default 4
+---@field max_depth? integer  0 to 1000; default 8
+---@field min_throughput? number  0 to 1; default 1e-3
+---@field light_error? number  bound on the relative error of the sum over light samples, 0 to 1; 0 is the exact sum; default 0.01
+---@field wavelength_step? 5|10|20  nm; default 5
+
+---@param view View
+---@param quality? Quality
+---@return Image
+function Scene:render(view, quality) end
+
+---@class LightErrorOptions
+---@field hits? integer  default 300
+---@field light_error? number  0 to 1; default 0.01
+---@field max_depth? integer  default 8
+---@field min_throughput? number  default 1e-3
+---@field wavelength_step? 5|10|20  nm; default 5
+
+---Compares light sums with exact ones at hits of the view.
+---@param view View
+---@param options? LightErrorOptions
+---@return table  sums, median, percentile_95, largest, largest_of_estimate
+function Scene:check_light_error(view, options) end
+
+-- Images ----------------------------------------------------------------------------------------
+
+---@class Image
+---@field width integer
+---@field height integer
+---@field stats table  rays, light evaluations, seconds, memory
+local Image = {}
+
+---@class Region
+---@field x? integer  0-based from the left; default 0
+---@field y? integer  0-based from the top; default 0
+---@field width? integer  pixels; default 1
+---@field height? integer  pixels; default 1
+
+---Mean spectrum of a region, or of the whole image.
+---@param region? Region
+---@return Spectrum
+function Image:spectrum(region) end
+
+---@param region? Region
+---@return number X, number Y, number Z
+function Image:xyz(region) end
+
+---@param region? Region
+---@return number  cd/m² in an absolute scene
+function Image:luminance(region) end
+
+---Luminous intensity toward the eye, of a scene with photometry = "absolute".
+---@return number  cd
+function Image:intensity() end
+
+---@class Glare
+---@field age? number  years, 0 to 120
+---@field pigment? number  0 to 1.2
+---@field strength? number  0 to 1
+
+---@class Exposure
+---@field ev number  stops, −100 to 100
+
+---@class PngOptions
+---@field display? Display  default sRGB
+---@field exposure? "auto"|number|Exposure  default "auto"
+---@field gamut? "clip"|"desaturate"  default "clip"
+---@field glare? boolean|Glare  default none
+---@field tone? "linear"|"reinhard"|"photographic"|fun(luminance: number): number  default "linear"
+
+---Writes an EXR file, or a PNG file, whose options it takes.
+---@param path string  below the output folder, ending in .exr or .png
+---@param options? PngOptions
+---@return table  of a PNG file: exposure and what the display could not show
+function Image:save(path, options) end
+
+-- Displays --------------------------------------------------------------------------------------
+
+---@class lampyris.display
+---@field eizo_t766 Display  the paper's EIZO FlexScan T766
+---@field srgb Display
+lampyris.display = {}
+
+---@class Display
+---@field gain number[]  k_g of red, green, blue
+---@field offset number[]  k_o
+---@field gamma number[]
+---@field bits integer
+local Display = {}
+
+---@class DisplayNewOptions
+---@field matrix number[][]  {{Xr, Xg, Xb}, {Yr, Yg, Yb}, {Zr, Zg, Zb}}, cd/m²
+---@field gain? number[]  above 0; default {1, 1, 1}
+---@field offset? number[]  default {0, 0, 0}
+---@field gamma? number[]  above 0; default {2.2, 2.2, 2.2}
+---@field black? number[]  {X, Y, Z}, cd/m², 0 or more; default 0
+---@field bits? integer  1 to 16; default 8
+---@field name? string
+
+---@param options DisplayNewOptions
+---@return Display
+function lampyris.display.new(options) end
+
+---@class DisplayFitOptions
+---@field red? number[][]  {{d, luminance}, …} or {{d, X, Y, Z}, …}
+---@field green? number[][]
+---@field blue? number[][]
+---@field file? string  instead of red, green and blue
+---@field matrix? number[][]  cd/m²; default: from the ramps' XYZ
+---@field black? number[]  {X, Y, Z}, cd/m²
+---@field bits? integer  1 to 16; default 8
+---@field name? string
+
+---Gain, offset and gamma from measured ramps.
+---@param options DisplayFitOptions
+---@return Display
+function lampyris.display.fit(options) end
+
+---@class DisplayRampsOptions
+---@field bits? integer  1 to 16; default 8
+
+---Rows of a file, as display.fit takes them.
+---@param path string
+---@param options? DisplayRampsOptions
+---@return table  red, green, blue
+function lampyris.display.ramps(path, options) end
+
+---@param r number  0 to 2ⁿ − 1
+---@param g number
+---@param b number
+---@return number X, number Y, number Z
+function Display:xyz(r, g, b) end
+
+---@param X number  cd/m²
+---@param Y number
+---@param Z number
+---@return integer r, integer g, integer b
+function Display:digital(X, Y, Z) end
+
+---@param patches number[][]|string  {{r, g, b, X, Y, Z}, …} or a file
+---@return table  mean, max, mean_2000, max_2000, patches, verdict, …
+function Display:verify(patches) end
+
+---@param path string  below the output folder, ending in .icc
+function Display:save(path) end
+
+-- Sweeps ----------------------------------------------------------------------------------------
+
+---@class SweepView
+---@field view View
+---@field scene? Scene  default: the sweep's
+---@field name? string  of the view's files: letters, digits and _ - + .; default view_0001, …
+
+---@class SweepOptions
+---@field scene? Scene  of all views that name none
+---@field views (View|SweepView)[]|fun(index: integer): View|SweepView|nil, Scene|nil  a list; or a function that returns one view (and scene) after the other, or yields them
+---@field output string  a folder below the output folder
+---@field quality? Quality
+---@field png? PngOptions
+---@field regions? table<string, Region>  whose spectra and chromaticities manifest and page show
+
+---Renders views into a folder that can be stopped, resumed, shared out and verified.
+---@param options SweepOptions
+---@return table  folder, views, rendered, kept
+function lampyris.sweep(options) end
+
+-- Photometry ------------------------------------------------------------------------------------
+
+---@class lampyris.photometry
+lampyris.photometry = {}
+
+---@class Grid
+---@field h number[]  degrees
+---@field v number[]  degrees
+---@field flux number  of the scene's lights, lm
+local Grid = {}
+
+---@class GridOptions
+---@field scene Scene  with photometry = "absolute"
+---@field h? number[]  degrees to the right, ascending; default those of UN R148
+---@field v? number[]  degrees up, ascending; default those of UN R148
+---@field distance? number  mm, above 0; default 3000
+---@field target? vector  mm; default {0, 0, 0}
+---@field fov? number  degrees: the whole lamp has to fit; default 6
+---@field width? integer  pixels; default 320
+---@field height? integer  pixels; default 240
+---@field quality? Quality
+
+---Luminous intensity over horizontal and vertical angles.
+---@param options GridOptions
+---@return Grid
+function lampyris.photometry.grid(options) end
+
+---Linear between the grid's angles.
+---@param h number  degrees
+---@param v number  degrees
+---@return number  cd
+function Grid:at(h, v) end
+
+---@class GridCheckOptions
+---@field lamp string  a lamp of the file
+---@field file? string  CSV: lamp, color, h, v, min, max; default UN R148
+
+---Compares with a lamp's limits, point by point.
+---@param lamp "R1"|"R2"|"S1"|"S2"|"S3"|"S4"|"2a"|"2b"|GridCheckOptions
+---@return table  pass, color, points {h, v, min, max, intensity, color, pass}
+function Grid:check(lamp) end
+
+---@class GridSaveOptions
+---@field name? string  of the lamp; default "lamp"
+
+---@param path string  below the output folder, ending in .csv, .ies or .ldt
+---@param options? GridSaveOptions
+function Grid:save(path, options) end
+
+return lampyris

@@ -1,0 +1,202 @@
+//! The folder of a sweep: what is there already, what is added, what is left over.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+
+use super::manifest::{Entry, FileDigest, Manifest, Source};
+use super::shard::Shard;
+use super::{page, timings};
+use crate::error::{Error, Result};
+
+/// Name of a whole sweep's manifest.
+pub const MANIFEST: &str = "manifest.json";
+
+/// A sweep's folder while views are added to it.
+pub struct Folder {
+    path: PathBuf,
+    shard: Option<Shard>,
+    /// What all manifests in the folder name, by the views' names.
+    known: BTreeMap<String, Entry>,
+    /// Entries of the manifest that this run replaces, as long as it has not come to them.
+    earlier: BTreeMap<String, Entry>,
+    manifest: Manifest,
+    seconds: BTreeMap<String, f64>,
+    /// Held as long as the folder is in use.
+    _lock: Option<File>,
+}
+
+impl Folder {
+    /// Opens or makes the folder, and removes what killed processes left unfinished.
+    ///
+    /// Errors: [`Error::Io`]; a `manifest.json` that is none of ours; a folder that another
+    /// process sweeps into.
+    pub fn open(path: &Path, shard: Option<Shard>, source: Source) -> Result<Self> {
+        fs::create_dir_all(path).map_err(|e| Error::io(path, e))?;
+        let lock = lock(path, shard)?;
+        if shard.is_none() {
+            remove_unfinished(path)?;
+        }
+        let own = manifest_name(shard);
+        let mut known = BTreeMap::new();
+        let mut earlier = BTreeMap::new();
+        for name in manifest_names(path)? {
+            let views = Manifest::read(&path.join(&name))?.views;
+            let named = views.into_iter().map(|entry| (entry.name.clone(), entry));
+            if name == own {
+                earlier.extend(named.clone());
+            }
+            known.extend(named);
+        }
+        let manifest = Manifest { source, ..Manifest::default() };
+        let seconds = timings::read(path, shard);
+        let path = path.to_owned();
+        Ok(Self { path, shard, known, earlier, manifest, seconds, _lock: lock })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Whether the view is this run's to render.
+    pub fn is_ours(&self, index: usize) -> bool {
+        self.shard.is_none_or(|shard| shard.has(index))
+    }
+
+    pub fn set_display(&mut self, display: serde_json::Value) {
+        self.manifest.display = display;
+    }
+
+    /// Inputs and seeds grow while a script runs.
+    pub fn set_source(&mut self, source: Source) {
+        self.manifest.source = source;
+    }
+
+    /// Whether the view is there already, made from the same things, its files untouched. Then it
+    /// is this run's too.
+    pub fn keep(&mut self, index: usize, name: &str, key: &super::Digest) -> bool {
+        let Some(entry) = self.known.get(name) else {
+            return false;
+        };
+        if entry.key != *key || !entry.is_whole(&self.path) {
+            return false;
+        }
+        let entry = Entry { index, ..entry.clone() };
+        self.put(entry);
+        true
+    }
+
+    pub(super) fn add_seconds(&mut self, seconds: BTreeMap<String, f64>) {
+        self.seconds.extend(seconds);
+    }
+
+    /// A view whose files are there, to be named by the final manifest.
+    pub(super) fn put(&mut self, entry: Entry) {
+        self.earlier.remove(&entry.name);
+        self.manifest.views.push(entry);
+    }
+
+    /// A view whose files have been written.
+    ///
+    /// Errors: [`Error::Io`].
+    pub fn add(&mut self, entry: Entry, seconds: f64) -> Result<()> {
+        self.seconds.insert(entry.name.clone(), seconds);
+        self.put(entry);
+        let mut so_far = self.manifest.clone();
+        so_far.views.extend(self.earlier.values().cloned());
+        so_far.views.sort_by_key(|entry| entry.index);
+        so_far.write(&self.path.join(manifest_name(self.shard)))
+    }
+
+    /// All views are there: contact sheet, page, and the final manifest.
+    ///
+    /// Errors: [`Error::Io`]; a PNG file that does not read back.
+    pub fn finish(mut self) -> Result<Manifest> {
+        self.manifest.views.sort_by_key(|entry| entry.index);
+        self.manifest.is_complete = true;
+        timings::write(&self.path, self.shard, &self.timings_of_views())?;
+        if self.shard.is_none() {
+            self.manifest.pages = page::write(&self.path, &self.manifest)?;
+        }
+        self.manifest.write(&self.path.join(manifest_name(self.shard)))?;
+        if self.shard.is_none() {
+            self.remove_left_over()?;
+        }
+        Ok(self.manifest)
+    }
+
+    fn timings_of_views(&self) -> BTreeMap<String, f64> {
+        let ours = |name: &str| self.manifest.views.iter().any(|entry| entry.name == name);
+        self.seconds.iter().filter(|(name, _)| ours(name)).map(|(n, s)| (n.clone(), *s)).collect()
+    }
+
+    /// Removes files that earlier manifests name and this one does not, and shards' manifests.
+    fn remove_left_over(&self) -> Result<()> {
+        let current: Vec<&FileDigest> =
+            self.manifest.views.iter().flat_map(|entry| &entry.outputs).collect();
+        for output in self.known.values().flat_map(|entry| &entry.outputs) {
+            if !current.iter().any(|file| file.path == output.path) {
+                remove(&self.path.join(&output.path))?;
+            }
+        }
+        for name in manifest_names(&self.path)?.iter().filter(|name| *name != MANIFEST) {
+            remove(&self.path.join(name))?;
+        }
+        timings::remove_of_shards(&self.path)
+    }
+}
+
+fn manifest_name(shard: Option<Shard>) -> String {
+    shard.map_or_else(|| MANIFEST.to_owned(), Shard::manifest_name)
+}
+
+/// Names of a sweep's and its shards' manifests, sorted; the sweep's comes last and wins.
+pub(super) fn manifest_names(folder: &Path) -> Result<Vec<String>> {
+    let mut names = file_names(folder)?;
+    names.retain(|name| name == MANIFEST || Shard::of_manifest_name(name).is_some());
+    names.sort();
+    Ok(names)
+}
+
+pub(super) fn file_names(folder: &Path) -> Result<Vec<String>> {
+    let io = |e| Error::io(folder, e);
+    let mut names = Vec::new();
+    for item in fs::read_dir(folder).map_err(io)? {
+        names.extend(item.map_err(io)?.file_name().into_string());
+    }
+    Ok(names)
+}
+
+/// Files that a killed process had begun: `output::atomic` names them so.
+fn remove_unfinished(folder: &Path) -> Result<()> {
+    let names = file_names(folder)?;
+    let unfinished = names.iter().filter(|n| n.starts_with('.') && n.ends_with(".partial"));
+    unfinished.into_iter().try_for_each(|name| remove(&folder.join(name)))
+}
+
+pub(super) fn remove(path: &Path) -> Result<()> {
+    match fs::remove_file(path) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(Error::io(path, e)),
+        _ => Ok(()),
+    }
+}
+
+/// Shards share a folder; a whole sweep has it alone. Where folders cannot be locked there is no
+/// lock: files are whole all the same.
+fn lock(path: &Path, shard: Option<Shard>) -> Result<Option<File>> {
+    let Ok(file) = File::open(path) else {
+        return Ok(None);
+    };
+    let locked = match shard {
+        Some(_) => file.try_lock_shared(),
+        None => file.try_lock(),
+    };
+    match locked {
+        Ok(()) => Ok(Some(file)),
+        Err(TryLockError::WouldBlock) => {
+            let problem = format!("another process sweeps into {}", path.display());
+            Err(Error::inconsistent("sweep", problem))
+        }
+        Err(TryLockError::Error(_)) => Ok(None),
+    }
+}

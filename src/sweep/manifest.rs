@@ -1,0 +1,242 @@
+//! `manifest.json`: what a sweep was made from and what came out, by SHA-256.
+
+use std::path::{Component, Path};
+
+use serde_json::{Map, Value, json};
+
+use super::digest::Digest;
+use crate::error::{Error, Place, Result};
+use crate::output;
+
+/// The only format so far; a reader refuses others.
+const FORMAT: &str = "lampyris sweep 1";
+
+/// Everything about a sweep that does not change from run to run.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Manifest {
+    pub source: Source,
+    /// Parameters of the display that the PNG files are for.
+    pub display: Value,
+    pub views: Vec<Entry>,
+    /// Contact sheet and page; empty until all views are there.
+    pub pages: Vec<FileDigest>,
+    /// Whether all views are there.
+    pub is_complete: bool,
+}
+
+/// What must be equal for two sweeps to be the same experiment.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Source {
+    /// Program and version.
+    pub program: String,
+    pub script: Option<FileDigest>,
+    pub arguments: Vec<String>,
+    /// Everything that the script read, by the names that it used, in their order.
+    pub inputs: Vec<FileDigest>,
+    /// `[{"object": …, "seed": …}]` of all sampled lights.
+    pub seeds: Value,
+}
+
+/// A file and its content.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FileDigest {
+    pub path: String,
+    pub digest: Digest,
+}
+
+/// A finished view.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entry {
+    /// Its place in the sweep, 1-based.
+    pub index: usize,
+    /// Names its files.
+    pub name: String,
+    /// Digest of all that the outputs depend on.
+    pub key: Digest,
+    /// Beside the manifest.
+    pub outputs: Vec<FileDigest>,
+    /// View, quality, statistics, regions: for people and the page.
+    pub details: Map<String, Value>,
+}
+
+impl FileDigest {
+    /// Of `name` in `folder`. Errors: [`Error::Io`].
+    pub fn of(folder: &Path, name: &str) -> Result<Self> {
+        Ok(Self { path: name.to_owned(), digest: Digest::of_file(&folder.join(name))? })
+    }
+
+    /// Whether `folder` holds the file with this content.
+    pub fn is_in(&self, folder: &Path) -> bool {
+        Digest::of_file(&folder.join(&self.path)).is_ok_and(|digest| digest == self.digest)
+    }
+
+    fn to_json(&self) -> Value {
+        json!({ "path": self.path, "sha256": self.digest.as_str() })
+    }
+
+    fn from_json(value: &Value) -> Option<Self> {
+        let digest = Digest::parse(value.get("sha256")?.as_str()?)?;
+        Some(Self { path: value.get("path")?.as_str()?.to_owned(), digest })
+    }
+
+    /// Only files right beside the manifest are a sweep's own.
+    fn beside_from_json(value: &Value) -> Option<Self> {
+        let file = Self::from_json(value)?;
+        let mut parts = Path::new(&file.path).components();
+        let plain = matches!(parts.next(), Some(Component::Normal(_))) && parts.next().is_none();
+        plain.then_some(file)
+    }
+}
+
+fn list<T>(value: Option<&Value>, item: impl Fn(&Value) -> Option<T>) -> Option<Vec<T>> {
+    value?.as_array()?.iter().map(item).collect()
+}
+
+fn to_list<'a, T: 'a>(items: impl IntoIterator<Item = &'a T>, item: impl Fn(&T) -> Value) -> Value {
+    items.into_iter().map(item).collect::<Vec<_>>().into()
+}
+
+impl Entry {
+    fn to_json(&self) -> Value {
+        json!({
+            "index": self.index,
+            "name": self.name,
+            "key": self.key.as_str(),
+            "outputs": to_list(&self.outputs, FileDigest::to_json),
+            "details": self.details,
+        })
+    }
+
+    fn from_json(value: &Value) -> Option<Self> {
+        Some(Self {
+            index: usize::try_from(value.get("index")?.as_u64()?).ok()?,
+            name: value.get("name")?.as_str()?.to_owned(),
+            key: Digest::parse(value.get("key")?.as_str()?)?,
+            outputs: list(value.get("outputs"), FileDigest::beside_from_json)?,
+            details: value.get("details")?.as_object()?.clone(),
+        })
+    }
+
+    /// Whether all outputs lie in `folder` as they were written.
+    pub fn is_whole(&self, folder: &Path) -> bool {
+        self.outputs.iter().all(|output| output.is_in(folder))
+    }
+}
+
+impl Source {
+    fn from_json(value: &Value) -> Option<Self> {
+        let script = value.get("script")?;
+        Some(Self {
+            program: value.get("program")?.as_str()?.to_owned(),
+            script: if script.is_null() { None } else { Some(FileDigest::from_json(script)?) },
+            arguments: list(value.get("arguments"), |a| a.as_str().map(str::to_owned))?,
+            inputs: list(value.get("inputs"), FileDigest::from_json)?,
+            seeds: value.get("seeds")?.clone(),
+        })
+    }
+}
+
+impl Manifest {
+    /// Keys are sorted, so that equal manifests are equal texts.
+    pub fn to_text(&self) -> String {
+        let Source { program, script, arguments, inputs, seeds } = &self.source;
+        let value = json!({
+            "format": FORMAT,
+            "program": program,
+            "script": script.as_ref().map(FileDigest::to_json),
+            "arguments": arguments,
+            "inputs": to_list(inputs, FileDigest::to_json),
+            "seeds": seeds,
+            "display": self.display,
+            "views": to_list(&self.views, Entry::to_json),
+            "pages": to_list(&self.pages, FileDigest::to_json),
+            "complete": self.is_complete,
+        });
+        format!("{value:#}\n")
+    }
+
+    fn from_json(value: &Value) -> Option<Self> {
+        Some(Self {
+            source: Source::from_json(value)?,
+            display: value.get("display")?.clone(),
+            views: list(value.get("views"), Entry::from_json)?,
+            pages: list(value.get("pages"), FileDigest::beside_from_json)?,
+            is_complete: value.get("complete")?.as_bool()?,
+        })
+    }
+
+    /// Errors: [`Error::Io`]; [`Error::BadFile`] if it is not JSON or not such a manifest.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+        let value: Value = serde_json::from_str(&text).map_err(|e| {
+            Error::bad_file(path, Place::Line(e.line() as u64), format!("not JSON: {e}"))
+        })?;
+        let bad = |problem: &str| Error::bad_file(path, Place::File, problem);
+        if value.get("format").and_then(Value::as_str) != Some(FORMAT) {
+            return Err(bad(&format!("not a manifest: expected \"format\": \"{FORMAT}\"")));
+        }
+        Self::from_json(&value).ok_or_else(|| bad("not a manifest: a field is missing or wrong"))
+    }
+
+    /// Whole or not at all. Errors: [`Error::Io`].
+    pub fn write(&self, path: &Path) -> Result<()> {
+        output::write_text(path, &self.to_text())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::scratch::Scratch;
+
+    fn file(path: &str) -> FileDigest {
+        FileDigest { path: path.to_owned(), digest: Digest::of_bytes(path.as_bytes()) }
+    }
+
+    fn manifest(output: &str) -> Manifest {
+        let mut details = Map::new();
+        details.insert("light_error".to_owned(), json!(0.1 + 0.2));
+        Manifest {
+            source: Source {
+                program: "lampyris 0".to_owned(),
+                script: Some(file("전조등.lua")),
+                arguments: vec!["320".to_owned()],
+                inputs: vec![file("../data/a.csv")],
+                seeds: json!([]),
+            },
+            display: json!({ "name": "sRGB" }),
+            views: vec![Entry {
+                index: 1,
+                name: "view_0001".to_owned(),
+                key: Digest::of_bytes(b"key"),
+                outputs: vec![file(output)],
+                details,
+            }],
+            pages: vec![file("index.html")],
+            is_complete: true,
+        }
+    }
+
+    #[test]
+    fn reads_what_it_wrote() {
+        let scratch = Scratch::new();
+        let path = scratch.path("manifest.json");
+        manifest("view_0001.exr").write(&path).unwrap();
+        assert_eq!(Manifest::read(&path).unwrap(), manifest("view_0001.exr"));
+    }
+
+    #[test]
+    fn refuses_other_files_and_outputs_elsewhere() {
+        let scratch = Scratch::new();
+        let path = scratch.path("manifest.json");
+        let message = || Manifest::read(&path).unwrap_err().to_string();
+        std::fs::write(&path, "{\n\"format\": 3\n").unwrap();
+        assert!(message().contains("manifest.json:3: not JSON"), "{}", message());
+        std::fs::write(&path, "{}").unwrap();
+        assert!(message().contains("expected \"format\": \"lampyris sweep 1\""));
+        for outside in ["../view.exr", "/etc/passwd", "a/b.exr", "..", ""] {
+            manifest(outside).write(&path).unwrap();
+            assert!(message().ends_with("a field is missing or wrong"), "{outside}");
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! Many views as one experiment: a folder that can be stopped, resumed, shared out and checked.
+//!
+//! `Folder::open → (kept, or render and add) for each view → finish`. Every file is written whole
+//! or not at all, and a view counts only once the manifest names its outputs with their digests;
+//! so a sweep that is killed at any moment goes on where it was, to the same bytes.
+//!
+//! A shard renders every n-th view into the same folder and writes a manifest of its own;
+//! [`merge`] joins them. Seconds and other things that differ from run to run are kept apart, in
+//! `timings.js`.
+
+mod contact_sheet;
+mod digest;
+mod fingerprint;
+mod folder;
+mod luminance;
+mod manifest;
+mod merge;
+mod page;
+mod record;
+mod shard;
+mod timings;
+mod verify;
+
+pub use digest::{Digest, Hasher};
+pub use fingerprint::of_scene;
+pub use folder::{Folder, MANIFEST};
+pub use luminance::{LuminanceScale, luminance_raster};
+pub use manifest::{Entry, FileDigest, Manifest, Source};
+pub use merge::{Merged, merge};
+pub use page::luminance_name;
+pub use record::{Reading, display_record, quality_record, stats_record, view_record};
+pub use shard::Shard;
+pub use verify::{Report, verify};
+
+/// What every manifest names as its maker.
+pub fn program() -> String {
+    format!("lampyris {}", env!("CARGO_PKG_VERSION"))
+}

@@ -1,0 +1,124 @@
+//! The annotations for the Lua language server know what the program knows.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::bench::Bench;
+
+const LIBRARY: &str = include_str!("../../scripts/library/lampyris.lua");
+
+/// Option tables by their class, and a call that is given the key that nothing knows.
+const OPTIONS: &[[&str; 2]] = &[
+    ["SpectrumLoadOptions", "L.spectrum.load('x.csv', X)"],
+    ["MeshLoadOptions", "L.mesh.load('x.obj', X)"],
+    ["MeshNewOptions", "L.mesh.new(X)"],
+    ["MeshSurfaceOptions", "L.mesh.surface(X)"],
+    ["Transform", "mesh:transform(X)"],
+    ["Rotation", "mesh:transform { rotate = X }"],
+    ["MaterialOptions", "L.material(X)"],
+    ["LobeFitOptions", "L.fit_lobe(X)"],
+    ["RaysetLoadOptions", "L.rayset.load('x.csv', X)"],
+    ["RaysetNewOptions", "L.rayset.new(X)"],
+    ["RaysetHalvesOptions", "rays:halves(X)"],
+    ["RaysetNoiseOptions", "rays:noise(X)"],
+    ["CylinderOptions", "L.cylinder(X)"],
+    ["FilamentOptions", "L.filament(X)"],
+    ["BulbOptions", "L.bulb('P21W', X)"],
+    ["SceneOptions", "L.scene(X)"],
+    ["Object", "L.scene { objects = { X } }"],
+    ["ViewOptions", "L.view(X)"],
+    ["Quality", "scene:render(view, X)"],
+    ["AdaptiveSamples", "scene:render(view, { samples = X })"],
+    ["LightErrorOptions", "scene:check_light_error(view, X)"],
+    ["Region", "image:xyz(X)"],
+    ["PngOptions", "image:save('x.png', X)"],
+    ["Exposure", "image:save('x.png', { exposure = X })"],
+    ["Glare", "image:save('x.png', { glare = X })"],
+    ["DisplayNewOptions", "L.display.new(X)"],
+    ["DisplayFitOptions", "L.display.fit(X)"],
+    ["DisplayRampsOptions", "L.display.ramps('x.csv', X)"],
+    ["SweepOptions", "L.sweep(X)"],
+    ["SweepView", "L.sweep { output = 's', views = { X } }"],
+    ["GridOptions", "L.photometry.grid(X)"],
+    ["GridCheckOptions", "grid:check(X)"],
+    ["GridSaveOptions", "grid:save('x.csv', X)"],
+];
+
+/// Classes of handles and tables, and one of each.
+const HANDLES: &[[&str; 2]] = &[
+    ["lampyris", "L"],
+    ["lampyris.spectrum", "L.spectrum"],
+    ["lampyris.mesh", "L.mesh"],
+    ["lampyris.rayset", "L.rayset"],
+    ["lampyris.display", "L.display"],
+    ["lampyris.photometry", "L.photometry"],
+    ["Spectrum", "L.spectrum.constant(1)"],
+    ["Mesh", "mesh"],
+    ["Rayset", "rays"],
+    ["Scene", "scene"],
+    ["Image", "image"],
+    ["Display", "L.display.srgb"],
+    ["Grid", "grid"],
+];
+
+const BEFORE: &str = r#"
+local L = require "lampyris"
+local X = { nobody_knows = 1 }
+local mesh = L.mesh.new { positions = { {0,0,0}, {1,0,0}, {0,1,0} }, triangles = { {1,2,3} } }
+local rays = L.cylinder {
+  radius = 1, length = 1, flux = 1, samples = 4, spectrum = L.spectrum.constant(1),
+}
+local scene = L.scene { objects = {}, lights = { rays }, photometry = "absolute" }
+local view = L.view { width = 2, height = 2 }
+local image = scene:render(view)
+local grid = L.photometry.grid { scene = scene, h = { 0 }, v = { 0 }, width = 2, height = 2 }
+"#;
+
+/// Fields and functions of each class, as the library says.
+fn annotated() -> BTreeMap<&'static str, BTreeSet<&'static str>> {
+    let mut classes: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    let mut current = "";
+    for line in LIBRARY.lines() {
+        if let Some(class) = line.strip_prefix("---@class ") {
+            current = class.split(':').next().unwrap_or(class).trim();
+            classes.entry(current).or_default();
+        } else if let Some(field) = line.strip_prefix("---@field ") {
+            let name = field.split(' ').next().unwrap_or(field).trim_end_matches('?');
+            classes.entry(current).or_default().insert(name);
+        } else if let Some(function) = line.strip_prefix("function ") {
+            let path = function.split('(').next().unwrap_or(function);
+            if let Some(at) = path.rfind(['.', ':']) {
+                classes.entry(&path[..at]).or_default().insert(&path[at + 1..]);
+            }
+        }
+    }
+    let nested: Vec<&str> = classes.keys().filter_map(|c| c.strip_prefix("lampyris.")).collect();
+    classes.entry("lampyris").or_default().extend(nested);
+    classes
+}
+
+/// The keys that the program names when it meets one that it does not know.
+fn known(bench: &Bench, call: &str) -> String {
+    let message = bench.fail_script(&format!("{BEFORE}{call}\n"));
+    let keys = message.split_once("(keys: ").and_then(|(_, rest)| rest.rsplit_once(')'));
+    keys.unwrap_or_else(|| panic!("{call}: {message}")).0.to_owned()
+}
+
+#[test]
+fn annotations_are_in_step_with_the_program() {
+    let bench = Bench::new();
+    let classes = annotated();
+    let calls = OPTIONS.iter().map(|[class, call]| (*class, (*call).to_owned()));
+    let reads = HANDLES.iter().map(|[class, value]| (*class, format!("print(({value}).nobody)")));
+    for (class, call) in calls.chain(reads) {
+        let keys = known(&bench, &call);
+        let of_program: BTreeSet<&str> = keys.split(", ").collect();
+        assert_eq!(classes[class], of_program, "{class}");
+    }
+}
+
+#[test]
+fn the_library_is_lua() {
+    let bench = Bench::new();
+    bench.write("script.lua", LIBRARY);
+    bench.succeed(&["run", "script.lua"]);
+}

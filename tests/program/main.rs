@@ -1,0 +1,8 @@
+//! The built program, as people and machines run it.
+
+mod bench;
+mod language;
+mod manual;
+mod mistakes;
+mod sandbox;
+mod sweep;

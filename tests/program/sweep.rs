@@ -1,0 +1,310 @@
+//! Sweeps that are stopped, resumed, shared out and checked.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::process::{Child, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use lampyris::output::{read_exr, read_png};
+use lampyris::sweep::Manifest;
+
+use crate::bench::{Bench, text};
+
+/// Eight views of a lit mirror, some ten milliseconds each.
+const SCRIPT: &str = r#"
+local lampyris = require "lampyris"
+local mirror = lampyris.mesh.surface {
+  nu = 30, nv = 30,
+  point = function(u, v)
+    local x, y = 80 * u - 40, 80 * v - 40
+    return x, y, (x * x + y * y) / 80
+  end,
+}
+local scene = lampyris.scene {
+  objects = { {
+    mesh = mirror,
+    material = lampyris.material {
+      reflectance = lampyris.spectrum.load("aluminium.csv"), k_rg = 0.9, k_s = 0.9, n_s = 40,
+    },
+  } },
+  lights = { lampyris.cylinder {
+    center = { 0, 0, 20 }, radius = 0.5, length = 5, flux = 100, samples = 500, seed = 3,
+    spectrum = lampyris.spectrum.blackbody(2856),
+  } },
+}
+local views = {}
+for k = 1, 8 do
+  views[k] = lampyris.view { azimuth = 3 * k, distance = 800, fov = 7, width = 64, height = 48 }
+end
+local done = lampyris.sweep {
+  scene = scene, views = views, output = "s",
+  quality = { samples = 9, light_error = 0 },
+  regions = { center = { x = 30, y = 20, width = 4, height = 4 } },
+}
+print(done.rendered, done.kept)
+"#;
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    bench.write("sweep.lua", SCRIPT);
+    bench.write("aluminium.csv", "380,0.9\n780,0.85\n");
+    bench
+}
+
+const RUN: [&str; 4] = ["run", "sweep.lua", "--quiet", "--threads=1"];
+
+/// Runs the sweep to its end, and returns how many views it rendered and kept.
+fn finish(bench: &Bench) -> (usize, usize) {
+    let output = bench.succeed(&RUN);
+    let mut counts = output.split_whitespace().map(|n| n.parse().expect("a number"));
+    (counts.next().expect("rendered"), counts.next().expect("kept"))
+}
+
+fn unbroken() -> BTreeMap<String, Vec<u8>> {
+    let bench = bench();
+    assert_eq!(finish(&bench), (8, 0));
+    bench.files("out/s")
+}
+
+fn assert_same(files: &BTreeMap<String, Vec<u8>>, expected: &BTreeMap<String, Vec<u8>>) {
+    let names = |files: &BTreeMap<String, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();
+    assert_eq!(names(files), names(expected));
+    for (name, bytes) in files {
+        assert!(*bytes == expected[name], "{name} differs");
+    }
+}
+
+/// Every file is whole, and the manifest says nothing that is not so.
+fn assert_whole(bench: &Bench) -> usize {
+    let folder = bench.path("out/s");
+    for name in bench.files("out/s").keys() {
+        let path = folder.join(name);
+        match path.extension().and_then(|e| e.to_str()) {
+            Some("exr") => drop(read_exr(&path).expect("a whole image")),
+            Some("png") => drop(read_png(&path).expect("a whole image")),
+            Some("json") => drop(Manifest::read(&path).expect("a whole manifest")),
+            _ => assert!(name.ends_with(".html") || name.ends_with(".partial"), "{name}"),
+        }
+    }
+    let manifest = folder.join("manifest.json");
+    if !manifest.exists() {
+        return 0;
+    }
+    let views = Manifest::read(&manifest).expect("a manifest").views;
+    assert!(views.iter().all(|view| view.is_whole(&folder)));
+    views.len()
+}
+
+/// Waits until the sweep has `count` views.
+fn wait_for_views(bench: &Bench, child: &mut Child, count: usize) {
+    let start = Instant::now();
+    let manifest = bench.path("out/s/manifest.json");
+    loop {
+        if Manifest::read(&manifest).is_ok_and(|manifest| manifest.views.len() >= count) {
+            return;
+        }
+        assert!(child.try_wait().expect("a status").is_none(), "ended before it was stopped");
+        assert!(start.elapsed() < Duration::from_secs(60), "no views after a minute");
+        sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn killed_sweeps_go_on_to_the_same_bytes() {
+    let expected = unbroken();
+    let bench = bench();
+    let mut rendered_before = 0;
+    for (count, delay_ms) in [(1, 0), (3, 3), (5, 7)] {
+        let mut child = bench.command(&RUN).stdout(Stdio::null()).spawn().expect("a start");
+        wait_for_views(&bench, &mut child, count);
+        sleep(Duration::from_millis(delay_ms));
+        child.kill().expect("SIGKILL");
+        child.wait().expect("an end");
+        let views = assert_whole(&bench);
+        assert!(views >= count.max(rendered_before), "{views} views are left of {count}");
+        rendered_before = views;
+    }
+    let (rendered, kept) = finish(&bench);
+    assert_eq!((rendered + kept, kept), (8, rendered_before));
+    assert_same(&bench.files("out/s"), &expected);
+    assert_eq!(finish(&bench), (0, 8), "nothing is left to do");
+    assert_same(&bench.files("out/s"), &expected);
+}
+
+#[cfg(unix)]
+#[test]
+fn interrupted_sweeps_end_with_status_130() {
+    let bench = bench();
+    let mut child =
+        bench.command(&RUN).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("a start");
+    wait_for_views(&bench, &mut child, 1);
+    let id = child.id().to_string();
+    let signal = std::process::Command::new("kill").args(["-INT", &id]).status();
+    assert!(signal.expect("kill runs").success());
+    let output = child.wait_with_output().expect("an end");
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).ends_with("interrupted\n"), "{}", text(&output.stderr));
+    assert!(assert_whole(&bench) >= 1);
+    let names = bench.files("out/s");
+    assert!(!names.keys().any(|name| name.ends_with(".partial")), "{:?}", names.keys());
+}
+
+/// A limit on the size of files stands for a disk that is full: writes fail midway.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_whole_files_only() {
+    let expected = unbroken();
+    let bench = bench();
+    // 40 blocks of 512 bytes: PNG files fit, EXR files do not. Ignored, the signal becomes an error.
+    let script = "trap '' XFSZ; ulimit -f 40; exec \"$0\" \"$@\"";
+    let output = std::process::Command::new("sh")
+        .args(["-c", script, env!("CARGO_BIN_EXE_lampyris")])
+        .args(RUN)
+        .current_dir(bench.path(""))
+        .output()
+        .expect("a shell");
+    assert_eq!(output.status.code(), Some(1));
+    let message = text(&output.stderr);
+    assert!(message.contains("view_0001.exr: File too large"), "{message}");
+    assert_eq!(assert_whole(&bench), 0);
+    assert!(bench.files("out/s").is_empty(), "{:?}", bench.files("out/s").keys());
+    assert_eq!(finish(&bench), (8, 0));
+    assert_same(&bench.files("out/s"), &expected);
+}
+
+#[test]
+fn what_no_longer_matches_is_rendered_again() {
+    let expected = unbroken();
+    let bench = bench();
+    finish(&bench);
+    // A file that was changed, and one that was lost.
+    fs::write(bench.path("out/s/view_0003.png"), "not what it was").expect("a written file");
+    fs::remove_file(bench.path("out/s/view_0007.exr")).expect("a removed file");
+    assert_eq!(finish(&bench), (2, 6));
+    assert_same(&bench.files("out/s"), &expected);
+    // One view less: its files go.
+    bench.write("sweep.lua", &SCRIPT.replace("k = 1, 8", "k = 1, 7"));
+    assert_eq!(finish(&bench), (0, 7));
+    assert!(!bench.files("out/s").contains_key("view_0008.exr"));
+    bench.write("aluminium.csv", "380,0.9\n780,0.84\n");
+    assert_eq!(finish(&bench), (7, 0), "the input has changed");
+    bench.write("aluminium.csv", "380,0.9\n780,0.85\n");
+    bench.write("sweep.lua", SCRIPT);
+    assert_eq!(finish(&bench), (8, 0));
+    assert_same(&bench.files("out/s"), &expected);
+}
+
+#[test]
+fn shards_merge_to_the_bytes_of_one_run() {
+    let expected = unbroken();
+    let bench = bench();
+    for shard in ["2/5", "5/5", "1/5", "4/5"] {
+        bench.succeed(&["run", "sweep.lua", "--quiet", "--shard", shard]);
+    }
+    assert_eq!(bench.fail(&["merge", "out/s"]), "merge: missing or unfinished shards: 3/5\n");
+    bench.succeed(&["run", "sweep.lua", "--quiet", "--shard=3/5", "--out=elsewhere"]);
+    let merged = bench.succeed(&["merge", "out/s", "elsewhere/s", "--into", "whole"]);
+    assert_eq!(merged, "whole: 5 shards, 8 views\n");
+    assert_same(&bench.files("whole"), &expected);
+    bench.succeed(&["merge", "out/s", "elsewhere/s"]);
+    assert_same(&bench.files("out/s"), &expected);
+}
+
+#[test]
+fn shards_of_different_inputs_do_not_merge() {
+    let bench = bench();
+    bench.succeed(&["run", "sweep.lua", "--quiet", "--shard=1/2"]);
+    bench.write("aluminium.csv", "380,0.8\n780,0.8\n");
+    bench.succeed(&["run", "sweep.lua", "--quiet", "--shard=2/2"]);
+    let message = bench.fail(&["merge", "out/s"]);
+    assert!(
+        message.starts_with("merge: shards 1/2 and 2/2 differ in program, script"),
+        "{message}"
+    );
+    assert!(bench.fail(&["merge", "."]).starts_with("merge: no shards"));
+}
+
+#[test]
+fn verify_finds_every_change() {
+    let bench = bench();
+    finish(&bench);
+    let arguments = ["verify", "out/s/manifest.json", "--script", "sweep.lua"];
+    // 8 views of three files, contact sheet and page, script and one input.
+    assert_eq!(bench.succeed(&arguments), "out/s/manifest.json: 28 files are as they were\n");
+    bench.write("aluminium.csv", "380,0.8\n780,0.8\n");
+    fs::remove_file(bench.path("out/s/view_0002_luminance.png")).expect("a removed file");
+    fs::write(bench.path("out/s/index.html"), "").expect("a written file");
+    let message = bench.fail(&arguments);
+    assert!(message.contains("aluminium.csv: content has changed"), "{message}");
+    assert!(message.contains("view_0002_luminance.png: No such file"), "{message}");
+    assert!(message.contains("index.html: content has changed"), "{message}");
+    assert_eq!(message.lines().count(), 3);
+}
+
+#[test]
+fn functions_give_views_one_by_one_or_yield_them() {
+    let listed = unbroken();
+    let ways = [
+        "function(k) return views[k] end",
+        "function() for _, v in ipairs(views) do coroutine.yield(v, scene) end end",
+        "coroutine.wrap(function() for _, v in ipairs(views) do coroutine.yield(v) end end)",
+        "function(k) return views[k] and { view = views[k], scene = scene } end",
+    ];
+    for way in ways {
+        let bench = bench();
+        let script = SCRIPT.replace("views = views", &format!("views = {way}"));
+        bench.write("sweep.lua", &script);
+        assert_eq!(finish(&bench), (8, 0), "{way}");
+        let files = bench.files("out/s");
+        for (name, bytes) in &listed {
+            let of_script = name == "manifest.json" || name == "index.html";
+            assert!(of_script || files[name] == *bytes, "{way}: {name} differs");
+        }
+    }
+}
+
+#[test]
+fn a_folder_in_use_or_of_others_is_refused() {
+    let bench = bench();
+    bench.write("out/s/manifest.json", "{\"name\": \"somebody's own\"}");
+    let message = bench.fail(&RUN);
+    assert!(message.contains("not a manifest: expected \"format\""), "{message}");
+    fs::remove_file(bench.path("out/s/manifest.json")).expect("a removed file");
+    let mut child = bench.command(&RUN).stdout(Stdio::null()).spawn().expect("a start");
+    wait_for_views(&bench, &mut child, 1);
+    let message = bench.fail(&RUN);
+    assert!(message.contains("sweep: another process sweeps into out/s"), "{message}");
+    child.kill().expect("SIGKILL");
+    child.wait().expect("an end");
+}
+
+#[test]
+fn the_page_needs_nothing_beside_it() {
+    let bench = bench();
+    finish(&bench);
+    let page = fs::read_to_string(bench.path("out/s/index.html")).expect("a page");
+    assert_eq!(page.matches("<section").count(), 8);
+    assert_eq!(page.matches("data:image/png;base64,").count(), 16);
+    assert_eq!(page.matches("<polygon class='box red'").count(), 8);
+    assert!(!page.contains("http:") && !page.contains("https:"));
+    assert_eq!(page.matches(" src='").count(), 16 + 1, "only timings.js lies outside");
+    assert!(page.contains("<script src='timings.js'>"));
+}
+
+#[test]
+fn machines_read_lines_of_json() {
+    let bench = bench();
+    let output = bench.run(&["run", "sweep.lua", "--log=json"]);
+    let events: Vec<serde_json::Value> = text(&output.stderr)
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("a line of JSON"))
+        .collect();
+    let views = events.iter().filter(|event| event["event"] == "view");
+    assert_eq!(views.filter_map(|event| event["view"].as_u64()).sum::<u64>(), 36);
+    bench.write("wrong.lua", "error('x')");
+    let output = bench.run(&["run", "wrong.lua", "--log=json"]);
+    let event: serde_json::Value =
+        serde_json::from_str(&text(&output.stderr)).expect("a line of JSON");
+    assert_eq!(event["message"], "wrong.lua:1: x");
+}
