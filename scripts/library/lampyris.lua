@@ -131,6 +131,19 @@ function lampyris.mesh.merge(meshes) end
 ---@return Mesh
 function Mesh:transform(transform) end
 
+---The same mesh without interpolated normals.
+---@return Mesh
+function Mesh:flat() end
+
+---@class SectionOptions
+---@field normal? vector  default {1, 0, 0}
+---@field through? vector  a point of the plane, mm; default {0, 0, 0}
+
+---Where a plane cuts the mesh.
+---@param plane SectionOptions
+---@return vector[][]  segments, start and end in mm
+function Mesh:section(plane) end
+
 ---Writes an OBJ file below the output folder.
 ---@param path string
 function Mesh:save(path) end
@@ -275,6 +288,15 @@ function lampyris.bulb(category, options) end
 ---@return Rayset
 function Rayset:transform(transform) end
 
+---All rays, for scripts that look at them.
+---@return table
+function Rayset:rays() end
+
+---Moves each ray along itself, as "start" of rayset.load does.
+---@param surface StartSurface
+---@return Rayset
+function Rayset:starting_at(surface) end
+
 ---Writes a ray file below the output folder; its kind follows from the name's ending.
 ---@param path string
 function Rayset:save(path) end
@@ -363,6 +385,19 @@ function Scene:render(view, quality) end
 ---@return table  sums, median, percentile_95, largest, largest_of_estimate
 function Scene:check_light_error(view, options) end
 
+---@class PathsOptions
+---@field x? number  image position in pixels; the first pixel's center is 0.5
+---@field y? number
+---@field max_depth? integer  0 to 1000; default 8
+---@field min_throughput? number  0 to 1; default 1e-3
+---@field wavelength_step? 5|10|20  nm; default 5
+
+---The segments of the ray tree at an image position.
+---@param view View
+---@param options PathsOptions
+---@return table[]
+function Scene:paths(view, options) end
+
 -- Images ----------------------------------------------------------------------------------------
 
 ---@class Image
@@ -389,6 +424,16 @@ function Image:xyz(region) end
 ---@param region? Region
 ---@return number  cd/m² in an absolute scene
 function Image:luminance(region) end
+
+---Luminance of every pixel of a region, row by row from the top.
+---@param region? Region
+---@return number[]
+function Image:luminances(region) end
+
+---How the image differs from a reference of the same size.
+---@param reference Image
+---@return table
+function Image:compare(reference) end
 
 ---Luminous intensity toward the eye, of a scene with photometry = "absolute".
 ---@return number  cd
@@ -553,5 +598,29 @@ function Grid:check(lamp) end
 ---@param path string  below the output folder, ending in .csv, .ies or .ldt
 ---@param options? GridSaveOptions
 function Grid:save(path, options) end
+
+-- Figures and text ------------------------------------------------------------------------------
+
+---@class FigureOptions
+---@field panels? table[]  pictures, charts or segments; or the keys of one panel beside these
+---@field columns? integer
+---@field width? integer  pixels
+---@field height? integer  pixels
+---@field title? string
+
+---Charts and pictures side by side.
+---@param options FigureOptions
+---@return table  with save(path), .png or .svg
+function lampyris.figure(options) end
+
+---Reads a text file.
+---@param path string
+---@return string
+function lampyris.read(path) end
+
+---Writes a text file below the output folder.
+---@param path string
+---@param text string
+function lampyris.write(path, text) end
 
 return lampyris

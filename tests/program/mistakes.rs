@@ -109,7 +109,7 @@ const FAULTS: &[[&str; 3]] = &[
     [
         "misspelt function",
         "L.veiw {}",
-        "lampyris: unknown key \"veiw\", did you mean \"view\"? (keys: bulb, cylinder, display, filament, fit_lobe, material, mesh, photometry, rayset, scene, spectrum, sweep, version, view)",
+        "lampyris: unknown key \"veiw\", did you mean \"view\"? (keys: bulb, cylinder, display, figure, filament, fit_lobe, material, mesh, photometry, rayset, read, scene, spectrum, sweep, version, view, write)",
     ],
     [
         "misspelt function of a table",
@@ -489,7 +489,7 @@ const FAULTS: &[[&str; 3]] = &[
     [
         "field of an image",
         "print(scene:render(view).luminence)",
-        "image: unknown key \"luminence\", did you mean \"luminance\"? (keys: height, intensity, luminance, save, spectrum, stats, width, xyz)",
+        "image: unknown key \"luminence\", did you mean \"luminance\"? (keys: compare, height, intensity, luminance, luminances, save, spectrum, stats, width, xyz)",
     ],
     [
         "display without primaries",
