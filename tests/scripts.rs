@@ -1,10 +1,7 @@
 //! Every shipped script runs, small enough for a test.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
-use lampyris::progress::Verbosity;
 use lampyris::script::{self, Settings};
 
 /// A folder for one test's output, removed at its end.
@@ -33,9 +30,8 @@ fn run(name: &str, arguments: &[&str]) -> Output {
     let output = Output::new(name);
     let settings = Settings {
         out: output.0.clone(),
-        verbosity: Verbosity::Quiet,
         arguments: arguments.iter().map(|&a| a.to_owned()).collect(),
-        interrupted: Arc::new(AtomicBool::new(false)),
+        ..Settings::default()
     };
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scripts/{name}.lua"));
     if let Err(fault) = script::run(&path, settings) {
