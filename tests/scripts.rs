@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use lampyris::progress::Verbosity;
 use lampyris::script::{self, Settings};
 
 /// A folder for one test's output, removed at its end.
@@ -31,7 +30,6 @@ fn run(name: &str, arguments: &[&str]) -> Output {
     let output = Output::new(name);
     let settings = Settings {
         out: output.0.clone(),
-        verbosity: Verbosity::Quiet,
         arguments: arguments.iter().map(|&a| a.to_owned()).collect(),
         ..Settings::default()
     };
