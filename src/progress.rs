@@ -39,7 +39,7 @@ impl Progress {
             Verbosity::Bar => ProgressDrawTarget::stderr(),
             Verbosity::Quiet | Verbosity::Json => ProgressDrawTarget::hidden(),
         };
-        let template = "{msg} {wide_bar} {percent:>3} % · {elapsed} · {eta} left{prefix}";
+        let template = "{msg} {wide_bar} {percent:>3} % of {human_len} pixels · {elapsed} · {eta} left{prefix}";
         let style =
             ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
         let bar = ProgressBar::with_draw_target(Some(pixels as u64), target).with_style(style);

@@ -135,6 +135,15 @@ function Mesh:transform(transform) end
 ---@param path string
 function Mesh:save(path) end
 
+---The same mesh without interpolated normals.
+---@return Mesh
+function Mesh:flat() end
+
+---Where a plane cuts the mesh.
+---@param plane table  through (mm) and normal
+---@return vector[][]  {{from, to}, …}, mm
+function Mesh:section(plane) end
+
 -- Materials -------------------------------------------------------------------------------------
 
 ---@class MaterialOptions
@@ -176,6 +185,7 @@ function lampyris.material(options) end
 ---@field points integer
 ---@field lobes table[]
 ---@field eval fun(angle: number): number
+---@field plot Figure measured points and fit
 
 ---Fits A cosⁿ to measured pairs (Fig. 3).
 ---@param options LobeFitOptions
@@ -192,6 +202,15 @@ lampyris.rayset = {}
 ---@field flux number  lm
 ---@field spectrum Spectrum
 local Rayset = {}
+
+---Every ray, where it is in the world.
+---@return table[]  position (mm), direction, flux (lm)
+function Rayset:rays() end
+
+---The rays moved along themselves to where they come nearest to an axis or a point.
+---@param surface StartSurface
+---@return Rayset
+function Rayset:starting_at(surface) end
 
 ---@class StartSurface
 ---@field axis? vector  of a line that the rays start nearest to
@@ -363,6 +382,19 @@ function Scene:render(view, quality) end
 ---@return table  sums, median, percentile_95, largest, largest_of_estimate
 function Scene:check_light_error(view, options) end
 
+---@class PathOptions
+---@field x? number  image position in pixels; default the middle
+---@field y? number
+---@field max_depth? integer  default 8
+---@field min_throughput? number  default 1e-3
+---@field wavelength_step? 5|10|20  nm; default 5
+
+---The rays that one image position asks for.
+---@param view View
+---@param options? PathOptions
+---@return table[]  kind, depth, start, direction, throughput; finish, normal, object where it hits
+function Scene:paths(view, options) end
+
 -- Images ----------------------------------------------------------------------------------------
 
 ---@class Image
@@ -390,9 +422,29 @@ function Image:xyz(region) end
 ---@return number  cd/m² in an absolute scene
 function Image:luminance(region) end
 
+---Luminance of each pixel of a region, row by row.
+---@param region? Region
+---@return number[]
+function Image:luminances(region) end
+
+---How far this image is from a reference of the same size.
+---@param reference Image
+---@return table  lit_pixels, relative_rms, worst, mean_delta_e_2000, percentile_95_delta_e_2000, spectral_rms
+function Image:compare(reference) end
+
 ---Luminous intensity toward the eye, of a scene with photometry = "absolute".
 ---@return number  cd
 function Image:intensity() end
+
+---@class FalseColorOptions
+---@field log? boolean  default true
+---@field range? number[]  {from, to}; default: what the image needs
+---@field label? string  of the scale bar; default luminance in cd/m²
+
+---A figure of the luminance in false colors, with a scale bar.
+---@param options? FalseColorOptions
+---@return Figure
+function Image:false_color(options) end
 
 ---@class Glare
 ---@field age? number  years, 0 to 120
@@ -553,5 +605,66 @@ function Grid:check(lamp) end
 ---@param path string  below the output folder, ending in .csv, .ies or .ldt
 ---@param options? GridSaveOptions
 function Grid:save(path, options) end
+
+
+-- Figures and text ------------------------------------------------------------------------------
+
+---@class FigureAxis
+---@field label? string  with its unit
+---@field log? boolean  default false
+---@field range? number[]  {from, to}; default: what the series need
+
+---@class FigureSeries
+---@field points number[][]  {{x, y}, …}
+---@field name? string  for the legend
+---@field style? "line"|"dashes"|"points"|"both"  default "line"
+---@field errors? number[]  half lengths of error bars, one a point
+---@field color? number[]  {red, green, blue}, 0 to 255
+
+---A chart (`series`), a picture (`image`) or lines in space (`segments`).
+---@class FigurePanel
+---@field title? string
+---@field series? FigureSeries[]
+---@field x? FigureAxis
+---@field y? FigureAxis
+---@field image? Image
+---@field crop? Region
+---@field false_color? boolean|FalseColorOptions
+---@field exposure? "auto"|number|Exposure
+---@field gamut? "clip"|"desaturate"
+---@field glare? boolean|Glare
+---@field tone? "linear"|"reinhard"|"photographic"|fun(luminance: number): number
+---@field segments? vector[][]  {{from, to}, …}, mm
+---@field azimuth? number  degrees; default 30
+---@field elevation? number  degrees; default 20
+
+---@class FigureOptions: FigurePanel
+---@field panels? FigurePanel[]  instead of the keys of one panel
+---@field columns? integer  of panels; default all in one row
+---@field width? integer  pixels; default 800
+---@field height? integer  pixels; default 600
+
+---@class Figure
+local Figure = {}
+
+---@param options FigureOptions
+---@return Figure
+function lampyris.figure(options) end
+
+---@param path string  below the output folder, ending in .png or .svg
+function Figure:save(path) end
+
+---@return string  SVG text
+function Figure:svg() end
+
+---Writes a text file below the output folder.
+---@param path string
+---@param text string
+function lampyris.write(path, text) end
+
+---Reads a text file.
+---@param path string
+---@return string
+function lampyris.read(path) end
 
 return lampyris

@@ -38,7 +38,7 @@ impl Grid {
 
 /// Numbers in lines of at most the 132 characters that the standard allows.
 fn joined(values: impl Iterator<Item = f64>) -> String {
-    const A_LINE: usize = 10;
+    const A_LINE: usize = 8;
     let texts: Vec<String> = values.map(|value| format!("{value:.5}")).collect();
     texts.chunks(A_LINE).map(|line| line.join(" ")).collect::<Vec<_>>().join("\r\n")
 }

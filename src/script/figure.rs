@@ -25,14 +25,36 @@ const NAMES: [&str; 2] = ["save", "svg"];
 const FIGURE_KEYS: [&str; 5] = ["columns", "height", "panels", "title", "width"];
 const CHART_KEYS: [&str; 4] = ["series", "title", "x", "y"];
 const SEGMENTS_KEYS: [&str; 4] = ["azimuth", "elevation", "segments", "title"];
+pub(super) const FALSE_COLOR_KEYS: [&str; 3] = ["label", "log", "range"];
 const IMAGE_KEYS: [&str; 8] =
     ["crop", "exposure", "false_color", "gamut", "glare", "image", "title", "tone"];
+
+const DEFAULT_SIZE: [u32; 2] = [800, 600];
 
 /// Pixels a side.
 const MAX_SIDE: u64 = 16_384;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     module.set("figure", fault::function(lua, |_, a| figure(Arguments::new("figure", a, 1)?))?)
+}
+
+impl LuaFigure {
+    /// One panel at the size that [`figure`] gives where a script asks for none.
+    pub(super) fn of_panel(panel: Panel) -> Self {
+        Self(Arc::new(Figure {
+            width: DEFAULT_SIZE[0],
+            height: DEFAULT_SIZE[1],
+            title: String::new(),
+            columns: 1,
+            panels: vec![panel],
+        }))
+    }
+}
+
+/// `image:false_color { log =, range =, label = }`.
+pub(super) fn false_color_figure(image: &LuaImage, options: &Options) -> mlua::Result<LuaFigure> {
+    let panel = false_color(&image.xyz_image(), &colors(options)?)?;
+    Ok(LuaFigure::of_panel(Panel::Raster(panel)))
 }
 
 /// `panels` in a grid, or the keys of one panel beside those of the figure.
@@ -56,15 +78,15 @@ fn figure(mut arguments: Arguments) -> mlua::Result<LuaFigure> {
         None => vec![panel(&options)?],
         Some(list) => (1..).zip(list).map(panel_of_list).collect::<mlua::Result<_>>()?,
     };
-    let side = |key, default| -> mlua::Result<u32> {
-        Ok(options.count(key, 1, MAX_SIDE)?.unwrap_or(default) as u32)
+    let side = |key, default: u32| -> mlua::Result<u32> {
+        Ok(options.count(key, 1, MAX_SIDE)?.map_or(default, |pixels| pixels as u32))
     };
     // A single panel carries the title itself.
     let title =
         if has("panels") { options.text("title")?.unwrap_or_default() } else { String::new() };
     let figure = Figure {
-        width: side("width", 800)?,
-        height: side("height", 600)?,
+        width: side("width", DEFAULT_SIZE[0])?,
+        height: side("height", DEFAULT_SIZE[1])?,
         title,
         columns: options.count("columns", 1, 100)?.unwrap_or(panels.len() as u64) as usize,
         panels,
@@ -251,13 +273,16 @@ fn false_colors(options: &Options) -> mlua::Result<Option<FalseColor>> {
         value => value,
     };
     let object = format!("{}: false_color", options.object());
-    let options = Options::new(&object, value, &["label", "log", "range"])?;
+    colors(&Options::new(&object, value, &FALSE_COLOR_KEYS)?).map(Some)
+}
+
+fn colors(options: &Options) -> mlua::Result<FalseColor> {
     let default = FalseColor::default();
-    Ok(Some(FalseColor {
-        scale: scale(&options, default.scale)?,
-        range: range(&options)?,
+    Ok(FalseColor {
+        scale: scale(options, default.scale)?,
+        range: range(options)?,
         label: options.text("label")?.unwrap_or(default.label),
-    }))
+    })
 }
 
 fn cropped(panel: RasterPanel, region: Region) -> crate::Result<RasterPanel> {

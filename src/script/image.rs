@@ -10,7 +10,7 @@ use super::host::Host;
 use super::options::{self, Arguments, Options, Range};
 use super::spectrum::LuaSpectrum;
 use super::view::MAX_SIDE;
-use super::{fault, host};
+use super::{fault, figure, host};
 use crate::display::{
     self, Display, DisplayImage, Exposure, Gamut, GamutReport, Glare, GlareReport, Rendition, Tone,
 };
@@ -50,8 +50,9 @@ pub(super) fn region(options: &Options) -> mlua::Result<Region> {
     })
 }
 
-const NAMES: [&str; 10] = [
+const NAMES: [&str; 11] = [
     "compare",
+    "false_color",
     "height",
     "intensity",
     "luminance",
@@ -128,6 +129,11 @@ impl UserData for LuaImage {
             let region = Arguments::new("image:luminance", a, 1)?.options(&REGION_KEYS)?;
             Ok(this.0.image.mean_xyz(this.region(region)?)?.y)
         });
+        fault::method(methods, "intensity", |lua, this: &Self, a| {
+            Arguments::new("image:intensity", a, 0)?;
+            warn_of_cut_off(&host::of(lua)?, &this.0.image, &this.0.view);
+            Ok(photometry::intensity(&this.0.image, &this.0.view)?.y)
+        });
         fault::method(methods, "luminances", |_, this: &Self, a| {
             let options = Arguments::new("image:luminances", a, 1)?.options(&REGION_KEYS)?;
             let region = this.region(options)?;
@@ -143,10 +149,10 @@ impl UserData for LuaImage {
             let difference = ImageDifference::between(&this.0.image, &reference.0.image)?;
             difference_table(lua, &difference)
         });
-        fault::method(methods, "intensity", |lua, this: &Self, a| {
-            Arguments::new("image:intensity", a, 0)?;
-            warn_of_cut_off(&host::of(lua)?, &this.0.image, &this.0.view);
-            Ok(photometry::intensity(&this.0.image, &this.0.view)?.y)
+        fault::method(methods, "false_color", |_, this: &Self, a| {
+            let keys = &figure::FALSE_COLOR_KEYS;
+            let options = Arguments::new("image:false_color", a, 1)?.options(keys)?;
+            figure::false_color_figure(this, &options)
         });
         fault::method(methods, "save", |lua, this: &Self, a| {
             save(lua, &this.0, Arguments::new("image:save", a, 2)?)

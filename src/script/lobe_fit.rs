@@ -2,10 +2,12 @@
 
 use mlua::{Lua, Table, Value};
 
+use super::figure::LuaFigure;
 use super::options::{self, Arguments, Options, Range};
 use super::{fault, host};
 use crate::columns;
 use crate::error::Error;
+use crate::figure::{Axis, Chart, Panel, Series};
 use crate::material::{LobeCount, LobeFit, LobeSpace, LobeTable, fit_lobe};
 
 const KEYS: [&str; 7] = ["column", "file", "lobes", "points", "range", "space", "weights"];
@@ -42,7 +44,7 @@ fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
     let spaces = [("linear", LobeSpace::Linear), ("log", LobeSpace::Log)];
     let space = options.choice("space", &spaces)?.unwrap_or_default();
     let table = LobeTable { points: &points, weights: weights.as_deref(), range_deg };
-    result(lua, &fit_lobe(&table, count, space)?)
+    result(lua, &points, &fit_lobe(&table, count, space)?)
 }
 
 /// `points = {{angle, value}, …}`, or two columns of `file`.
@@ -71,8 +73,8 @@ fn numbers(options: &Options, key: &str, list: &[Value], range: Range) -> mlua::
     list.iter().map(|value| options::number(options.object(), &what, value, range)).collect()
 }
 
-/// The first lobe's figures at the top, all of them under `lobes`, and `eval` of the sum.
-fn result(lua: &Lua, fit: &LobeFit) -> mlua::Result<Table> {
+/// The first lobe's figures at the top, all of them under `lobes`, `eval` of the sum, and `plot`.
+fn result(lua: &Lua, points: &[(f64, f64)], fit: &LobeFit) -> mlua::Result<Table> {
     let mut lobes = Vec::new();
     for lobe in &fit.lobes {
         let row = lua.create_table()?;
@@ -94,6 +96,7 @@ fn result(lua: &Lua, fit: &LobeFit) -> mlua::Result<Table> {
     table.set("rms", fit.rms)?;
     table.set("rms_decades", fit.rms_decades)?;
     table.set("points", fit.points)?;
+    table.set("plot", LuaFigure::of_panel(Panel::Chart(chart(points, fit))))?;
     let fit = fit.clone();
     let eval = fault::function(lua, move |_, a| {
         let angles = Range::between(-90.0, 90.0, "degrees");
@@ -101,4 +104,25 @@ fn result(lua: &Lua, fit: &LobeFit) -> mlua::Result<Table> {
     })?;
     table.set("eval", eval)?;
     Ok(table)
+}
+
+/// The measured points and the sum of lobes, as Fig. 3 shows them.
+fn chart(points: &[(f64, f64)], fit: &LobeFit) -> Chart {
+    /// As many as a figure has pixels across.
+    const STEPS: usize = 800;
+    let ends = points.iter().map(|point| point.0);
+    let (first, last) =
+        ends.fold((0.0, 0.0), |(low, high): (f64, f64), x| (low.min(x), high.max(x)));
+    let angle = |step: usize| first + (last - first) * step as f64 / STEPS as f64;
+    let curve = (0..=STEPS).map(|step| [angle(step), fit.eval(angle(step))]).collect();
+    let name: Vec<String> = fit.lobes.iter().map(|lobe| format!("n = {:.0}", lobe.n)).collect();
+    Chart {
+        title: String::new(),
+        x: Axis::linear("angle from the lobe's direction (degrees)"),
+        y: Axis::linear("measured value"),
+        series: vec![
+            Series::scatter("measured", points.iter().map(|&(x, y)| [x, y]).collect()),
+            Series::line(&format!("fit, {}", name.join(" and ")), curve),
+        ],
+    }
 }

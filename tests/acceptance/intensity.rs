@@ -61,12 +61,12 @@ fn lambert_disc() {
 /// with α = ρ (1/d + 1/D) at ρ from the middle.
 #[test]
 fn point_source_in_a_mirror() {
-    let (d_mm, eye_mm, k_s, n_s) = (10.0, 1000.0, 0.8, 1e5);
+    let (d_mm, eye_mm, k_s, n_s): (f64, f64, f64, f64) = (10.0, 1000.0, 0.8, 1e5);
     let light = point_light(DVec3::Z * d_mm, DVec3::NEG_Z, FLUX_LM);
     let mirror = lampyris::material::Material { lobes: specular(k_s, n_s), ..material() };
     let scene = absolute(scene(vec![(square(0.0, 5.0), mirror)], vec![light]));
     // The highlight's σ is 0.03 mm: ±0.2 mm hold all of it.
-    let fov_deg = 2.0 * (0.2 / eye_mm as f64).atan().to_degrees();
+    let fov_deg = 2.0 * (0.2 / eye_mm).atan().to_degrees();
     let view = View { fov_deg, width: 200, height: 200, ..pixel_view(0.0, eye_mm) };
     let image = shoot(scene, &view, &exact(0));
     let value = intensity(&image, &view).expect("absolute").y;

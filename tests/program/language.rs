@@ -20,6 +20,7 @@ const OPTIONS: &[[&str; 2]] = &[
     ["RaysetNewOptions", "L.rayset.new(X)"],
     ["RaysetHalvesOptions", "rays:halves(X)"],
     ["RaysetNoiseOptions", "rays:noise(X)"],
+    ["StartSurface", "rays:starting_at(X)"],
     ["CylinderOptions", "L.cylinder(X)"],
     ["FilamentOptions", "L.filament(X)"],
     ["BulbOptions", "L.bulb('P21W', X)"],
@@ -29,13 +30,17 @@ const OPTIONS: &[[&str; 2]] = &[
     ["Quality", "scene:render(view, X)"],
     ["AdaptiveSamples", "scene:render(view, { samples = X })"],
     ["LightErrorOptions", "scene:check_light_error(view, X)"],
+    ["PathOptions", "scene:paths(view, X)"],
     ["Region", "image:xyz(X)"],
+    ["FalseColorOptions", "image:false_color(X)"],
     ["PngOptions", "image:save('x.png', X)"],
     ["Exposure", "image:save('x.png', { exposure = X })"],
     ["Glare", "image:save('x.png', { glare = X })"],
     ["DisplayNewOptions", "L.display.new(X)"],
     ["DisplayFitOptions", "L.display.fit(X)"],
     ["DisplayRampsOptions", "L.display.ramps('x.csv', X)"],
+    ["FigureAxis", "L.figure { series = {}, x = X }"],
+    ["FigureSeries", "L.figure { series = { X } }"],
     ["SweepOptions", "L.sweep(X)"],
     ["SweepView", "L.sweep { output = 's', views = { X } }"],
     ["GridOptions", "L.photometry.grid(X)"],
@@ -58,6 +63,7 @@ const HANDLES: &[[&str; 2]] = &[
     ["Image", "image"],
     ["Display", "L.display.srgb"],
     ["Grid", "grid"],
+    ["Figure", "L.figure { series = {} }"],
 ];
 
 const BEFORE: &str = r#"

@@ -109,7 +109,7 @@ const FAULTS: &[[&str; 3]] = &[
     [
         "misspelt function",
         "L.veiw {}",
-        "lampyris: unknown key \"veiw\", did you mean \"view\"? (keys: bulb, cylinder, display, filament, fit_lobe, material, mesh, photometry, rayset, scene, spectrum, sweep, version, view)",
+        "lampyris: unknown key \"veiw\", did you mean \"view\"? (keys: bulb, cylinder, display, figure, filament, fit_lobe, material, mesh, photometry, rayset, read, scene, spectrum, sweep, version, view, write)",
     ],
     [
         "misspelt function of a table",

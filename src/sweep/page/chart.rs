@@ -49,7 +49,8 @@ impl Axes {
         texts.collect::<Vec<_>>().join(" ")
     }
 
-    /// Frame, ticks and titles around `content`.
+    /// Frame, ticks and titles around `content`, which is cut off at the frame (an inner `svg` does
+    /// that without a name, which would have to differ from chart to chart).
     fn chart(&self, titles: [&str; 2], ticks: [&[f64]; 2], content: &str) -> String {
         let mut marks = String::new();
         for &tick in ticks[0] {
@@ -66,14 +67,12 @@ impl Axes {
         let [left, top] = self.place([self.x[0], self.y[1]]);
         let [right, bottom] = self.place([self.x[1], self.y[0]]);
         let [width, height] = [right - left, bottom - top];
-        let id = format!("clip{:.0}-{:.0}-{:.0}", self.x[0] * 100.0, self.x[1] * 100.0, self.y[1]);
         format!(
             "<svg class='chart' viewBox='0 0 {WIDTH} {HEIGHT}' role='img'>\
-             <clipPath id='{id}'><rect x='{left:.1}' y='{top:.1}' width='{width:.1}' \
-             height='{height:.1}'/></clipPath>\
              <rect class='frame' x='{left:.1}' y='{top:.1}' width='{width:.1}' \
              height='{height:.1}'/><g class='ticks'>{marks}</g>\
-             <g clip-path='url(#{id})'>{content}</g>\
+             <svg x='{left:.1}' y='{top:.1}' width='{width:.1}' height='{height:.1}' \
+             viewBox='{left:.1} {top:.1} {width:.1} {height:.1}'>{content}</svg>\
              <text x='{:.1}' y='{:.1}' class='x'>{}</text>\
              <text x='4' y='14' class='title'>{}</text></svg>",
             f64::midpoint(left, right),
