@@ -1,7 +1,7 @@
 //! What a whole picture costs: 81 bands against 1, two threads against one, by light samples, by
 //! `light_error`, and with features that the scene has but the picture does not need.
 //!
-//! `cargo bench --bench picture`. A lamp of 350 thousand triangles, 160 × 120 pixels, one sample a
+//! `cargo bench --bench picture`. A lamp of 711 thousand triangles, 160 × 120 pixels, one sample a
 //! pixel. Each figure is the fastest of several runs; ratios within one run say more than seconds.
 
 use std::sync::Arc;

@@ -489,7 +489,7 @@ const FAULTS: &[[&str; 3]] = &[
     [
         "field of an image",
         "print(scene:render(view).luminence)",
-        "image: unknown key \"luminence\", did you mean \"luminance\"? (keys: height, intensity, luminance, save, spectrum, stats, width, xyz)",
+        "image: unknown key \"luminence\", did you mean \"luminance\"? (keys: compare, false_color, height, intensity, luminance, luminances, save, spectrum, stats, width, xyz)",
     ],
     [
         "display without primaries",
