@@ -193,6 +193,7 @@ pub fn amber_glass(lambda_nm: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::color::signal::SignalColor;
     use crate::spectrum::WavelengthGrid;
     use std::f64::consts::PI;
 
@@ -200,15 +201,6 @@ mod tests {
 
     fn chromaticity(spectrum: &Spectrum) -> [f64; 2] {
         spectrum.xyz().chromaticity().unwrap()
-    }
-
-    /// UN R48, par. 2.29.
-    fn is_amber([x, y]: [f64; 2]) -> bool {
-        y <= x - 0.120 && y >= 0.390 && y >= 0.790 - 0.670 * x
-    }
-
-    fn is_red([x, y]: [f64; 2]) -> bool {
-        y <= 0.335 && y >= 0.980 - x
     }
 
     #[test]
@@ -272,7 +264,12 @@ mod tests {
     fn amber_bulbs_are_amber() {
         for bulb in BULBS.iter().filter(|b| b.glass == Glass::Amber) {
             let xy = chromaticity(&bulb.spectrum());
-            assert!(is_amber(xy), "{} {:?}: {xy:?}", bulb.category, bulb.function);
+            assert!(
+                SignalColor::Amber.contains(xy),
+                "{} {:?}: {xy:?}",
+                bulb.category,
+                bulb.function
+            );
         }
         let clear = tungsten::spectrum(2750.0);
         let amber = clear.mapped(|lambda_nm, s| s * amber_glass(lambda_nm));
@@ -300,16 +297,20 @@ mod tests {
         for path_mm in [2.0, 3.0, 4.0, 5.0, 6.0] {
             for bulb in &BULBS {
                 let xy = through(bulb, &red, path_mm);
-                assert!(is_red(xy), "{} red {path_mm}: {xy:?}", bulb.category);
+                assert!(SignalColor::Red.contains(xy), "{} red {path_mm}: {xy:?}", bulb.category);
             }
             for bulb in [&BULBS[0], &BULBS[1]] {
                 let xy = through(bulb, &light_amber, path_mm);
-                assert!(is_amber(xy), "{} light amber {path_mm}: {xy:?}", bulb.category);
+                assert!(
+                    SignalColor::Amber.contains(xy),
+                    "{} light amber {path_mm}: {xy:?}",
+                    bulb.category
+                );
             }
         }
         for path_mm in [2.0, 3.0, 4.0] {
             let xy = through(&P21W, &amber, path_mm);
-            assert!(is_amber(xy), "amber {path_mm}: {xy:?}");
+            assert!(SignalColor::Amber.contains(xy), "amber {path_mm}: {xy:?}");
         }
     }
 

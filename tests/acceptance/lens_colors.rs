@@ -2,19 +2,11 @@
 
 use std::path::Path;
 
+use lampyris::color::signal::SignalColor;
 use lampyris::image::Region;
 use lampyris::output::read_exr;
 
 use crate::stage::{run_script, scratch};
-
-/// Boundaries of UN R48, 2.29 (CIE 1931 2°).
-fn is_red([x, y]: [f64; 2]) -> bool {
-    y <= 0.335 && y >= 0.980 - x
-}
-
-fn is_amber([x, y]: [f64; 2]) -> bool {
-    y <= x - 0.120 && y >= 0.390 && y >= 0.790 - 0.670 * x
-}
 
 /// Chromaticity of all the light that a tiny picture of a lamp holds, as R48 judges it.
 fn rendered_chromaticity(model: &str, image: &str) -> [f64; 2] {
@@ -30,11 +22,11 @@ fn rendered_chromaticity(model: &str, image: &str) -> [f64; 2] {
 #[test]
 fn red_lens_is_red() {
     let color = rendered_chromaticity("model1.lua", "model1_00.exr");
-    assert!(is_red(color), "{color:?}");
+    assert!(SignalColor::Red.contains(color), "{color:?}");
 }
 
 #[test]
 fn amber_lens_is_amber() {
     let color = rendered_chromaticity("model3.lua", "model3_turn.exr");
-    assert!(is_amber(color), "{color:?}");
+    assert!(SignalColor::Amber.contains(color), "{color:?}");
 }
