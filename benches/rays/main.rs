@@ -4,10 +4,13 @@
 //! the fastest of several passes over each block of rays, so that what else the machine does
 //! disturbs them little; ratios within one run say more than rates.
 
+mod embree;
+
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
+use embree::{Embree, EmbreeRay};
 use lampyris::geometry::mesh::Shading;
 use lampyris::geometry::{Bvh, DVec3, Hit, Mesh, Ray, Simd, TriangleId};
 
@@ -15,6 +18,8 @@ const SIZES: [usize; 3] = [35_000, 350_000, 3_500_000];
 const RAYS: usize = 1 << 17;
 const BLOCK: usize = 1 << 13;
 const PASSES: usize = 7;
+/// Where a mirrored ray of Embree's begins.
+const NEAR_MM: f32 = 1e-2;
 
 fn main() {
     // Cargo itself passes "--bench".
@@ -53,27 +58,44 @@ fn measure(size: usize) -> Vec<(&'static str, f64)> {
     let primary = primary_rays();
     let mirrored = mirrored_rays(&bvh, &primary);
     let random = random_rays(&bvh);
+    let embree = Embree::build(&meshes);
     [("primary", primary), ("mirrored", mirrored), ("random", random)]
-        .map(|(name, rays)| (name, measure_set(&bvh, name, &rays)))
+        .map(|(name, rays)| (name, measure_set(&bvh, embree.as_ref(), name, &rays)))
         .to_vec()
 }
 
 /// A ray and the triangle that it leaves.
 type Start = (Ray, Option<TriangleId>);
 
-fn measure_set(bvh: &Bvh, name: &str, rays: &[Start]) -> f64 {
+fn measure_set(bvh: &Bvh, embree: Option<&Embree>, name: &str, rays: &[Start]) -> f64 {
     let kernels: Vec<_> =
         Simd::available().into_iter().map(|simd| (simd, bvh.clone().with_simd(simd))).collect();
+    let embree_rays: Vec<_> = rays
+        .iter()
+        .map(|(ray, leaving)| EmbreeRay::new(ray, if leaving.is_some() { NEAR_MM } else { 0.0 }))
+        .collect();
     let mut nanoseconds = vec![0.0; kernels.len()];
-    for block in rays.chunks(BLOCK) {
+    let mut embree_ns = 0.0;
+    for (block, embree_block) in rays.chunks(BLOCK).zip(embree_rays.chunks(BLOCK)) {
         for (sum, (_, bvh)) in nanoseconds.iter_mut().zip(&kernels) {
             *sum += 1e9 * fastest(PASSES, || trace(bvh, block)).0;
+        }
+        if let Some(embree) = embree {
+            embree_ns += 1e9
+                * fastest(PASSES, || {
+                    embree_block.iter().filter(|ray| embree.hits(black_box(ray))).count()
+                })
+                .0;
         }
     }
     let costs: Vec<f64> = nanoseconds.iter().map(|sum| sum / rays.len() as f64).collect();
     print!("  {name:8}");
     for ((simd, _), cost) in kernels.iter().zip(&costs) {
         print!("  {simd:?} {:.2} Mrays/s (×{:.2})", 1e3 / cost, costs[0] / cost);
+    }
+    if embree.is_some() {
+        let cost = embree_ns / rays.len() as f64;
+        print!("  Embree {:.2} (ratio {:.2})", 1e3 / cost, cost / costs[costs.len() - 1]);
     }
     let (one, two) = (threads(bvh, rays, 1), threads(bvh, rays, 2));
     println!("  two threads ×{:.2}", one / two);
