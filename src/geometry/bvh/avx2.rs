@@ -3,26 +3,79 @@
 use std::arch::asm;
 use std::arch::x86_64::*;
 
-use super::super::{Hit, Ray, TriangleId};
+use super::super::{DVec3, Hit, Ray, TriangleId};
 use super::Bvh;
-use super::kernel::{Kernel, Sheared};
-use super::probe::Probe;
+use super::bounds::Frame;
+use super::kernel::{Aim, Kernel};
+use super::probe::{self, CANCELLATION, Crossing, Probe};
 use super::query::Segment;
-use super::walk::TreeRay;
-use super::wide::{Lanes, Packet, WideNode};
+use super::walk::LEAST_DIRECTION;
+use super::wide::{CORNERS, LANES, Lanes, Packet, WideNode};
+
+/// A ray in the tree's frame, each value in all lanes.
+#[derive(Clone, Copy)]
+pub(super) struct WideRay {
+    inverse: [__m256; 3],
+    origin_inverse: [__m256; 3],
+    /// Where the plane lies through which the ray enters, in bytes from the start of a node; the
+    /// other plane of the axis is found by flipping `PLANE_BYTES`.
+    entry: [usize; 3],
+    /// [`Probe::shear`].
+    shear: [__m256; 3],
+}
+
+/// Of one plane of a node.
+const PLANE_BYTES: usize = size_of::<Lanes>();
 
 /// Used only in functions compiled for AVX2 and FMA, into which all of it is inlined.
 pub(super) struct Avx2;
 
 impl Kernel for Avx2 {
+    type Ray = WideRay;
+
     #[inline(always)]
-    fn enter(node: &WideNode, ray: &TreeRay, end: f32) -> (u32, Lanes) {
+    fn aim(probe: &Probe, direction: &DVec3, frame: &Frame) -> WideRay {
+        // SAFETY: as in `enter`.
+        unsafe {
+            let origin = _mm256_sub_pd(triple(&probe.origin), triple(frame.center.as_ref()));
+            let origin = _mm256_cvtpd_ps(_mm256_mul_pd(origin, _mm256_set1_pd(frame.per_mm)));
+            let direction = _mm256_cvtpd_ps(triple(direction.as_ref()));
+            let minus = _mm_set1_ps(-0.0);
+            let least = _mm_set1_ps(LEAST_DIRECTION);
+            let is_less = _mm_cmplt_ps(_mm_andnot_ps(minus, direction), least);
+            let guarded = _mm_or_ps(_mm_and_ps(minus, direction), least);
+            let inverse = _mm_div_ps(_mm_set1_ps(1.0), _mm_blendv_ps(direction, guarded, is_less));
+            let product = _mm_mul_ps(origin, inverse);
+            let signs = _mm_movemask_ps(inverse) as usize;
+            WideRay {
+                inverse: [
+                    spread::<0x00>(inverse),
+                    spread::<0x55>(inverse),
+                    spread::<0xaa>(inverse),
+                ],
+                origin_inverse: [
+                    spread::<0x00>(product),
+                    spread::<0x55>(product),
+                    spread::<0xaa>(product),
+                ],
+                entry: [
+                    (signs & 1) * PLANE_BYTES,
+                    (signs >> 1 & 1) * PLANE_BYTES + 2 * PLANE_BYTES,
+                    (signs >> 2 & 1) * PLANE_BYTES + 4 * PLANE_BYTES,
+                ],
+                shear: probe.shear.map(|s| _mm256_set1_ps(s as f32)),
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn enter(node: &WideNode, ray: &WideRay, end: f32) -> (u32, Lanes) {
         let mut near_lanes = [0.0; 8];
         // SAFETY: only `closest` and `occluded` below use this kernel; `Bvh` calls them only where
         // the processor has their features.
         let lanes = unsafe {
-            let entry = |axis: usize| plane(&node.planes[2 * axis + ray.sign(axis)], ray, axis);
-            let exit = |axis: usize| plane(&node.planes[2 * axis + 1 - ray.sign(axis)], ray, axis);
+            let entry = |axis: usize| plane(node, ray.entry[axis], ray, axis);
+            let exit = |axis: usize| plane(node, ray.entry[axis] ^ PLANE_BYTES, ray, axis);
             // Pairs, which shorten the chain that each step of a ray waits for.
             let near = _mm256_max_ps(
                 _mm256_max_ps(entry(0), entry(1)),
@@ -39,90 +92,169 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn branch() {
-        // SAFETY: does nothing.
-        unsafe { asm!("", options(nomem, nostack, preserves_flags)) }
+    fn branch<const TAG: usize>() {
+        // SAFETY: a comment for the assembler.
+        unsafe { asm!("# {0}", const TAG, options(nomem, nostack, preserves_flags)) }
     }
 
     #[inline(always)]
-    fn prefetch<T>(place: &T) {
-        let start: *const i8 = (&raw const *place).cast();
-        for line in 0..size_of::<T>().div_ceil(64) {
-            // SAFETY: the address is inside of `place`.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(64 * line)) }
+    fn prefetch(start: *const u8) {
+        for line in 0..size_of::<Packet>() / 64 {
+            // SAFETY: prefetching any address is sound.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(64 * line).cast()) }
         }
     }
 
     #[inline(always)]
-    fn may_meet(packet: &Packet, probe: &Probe, end_mm: f64, sheared: &mut Sheared) -> u32 {
+    fn may_meet(packet: &Packet, aim: &Aim<WideRay>) -> u32 {
         // SAFETY: as above.
         unsafe {
-            let [x, y, z] = shear(packet, probe, sheared);
+            let [x, y, z] = shear(packet, aim);
+            let minus = _mm256_set1_ps(-0.0);
+            let width = _mm256_add_ps(_mm256_andnot_ps(minus, x), _mm256_andnot_ps(minus, y));
             let places =
                 [widen(&packet.corners[0]), widen(&packet.corners[1]), widen(&packet.corners[2])];
             let (ax, bx, cx) = gather(x, &places);
             let (ay, by, cy) = gather(y, &places);
             let (az, bz, cz) = gather(z, &places);
-            let (wa, wb, wc) = (sign(cx, cy, bx, by), sign(ax, ay, cx, cy), sign(bx, by, ax, ay));
-            let is_negative = _mm256_or_ps(_mm256_or_ps(wa.0, wb.0), wc.0);
-            let is_positive = _mm256_or_ps(_mm256_or_ps(wa.1, wb.1), wc.1);
+            let (wide_a, wide_b, wide_c) = gather(width, &places);
             let near = _mm256_min_ps(_mm256_min_ps(az, bz), cz);
             let far = _mm256_max_ps(_mm256_max_ps(az, bz), cz);
-            let end = _mm256_set1_ps(end_mm as f32 * (1.0 + Z_SLACK));
-            let is_out = _mm256_or_ps(
-                _mm256_or_ps(
-                    _mm256_cmp_ps::<_CMP_LT_OQ>(far, _mm256_setzero_ps()),
-                    _mm256_cmp_ps::<_CMP_GT_OQ>(near, end),
-                ),
-                _mm256_and_ps(is_negative, is_positive),
+            let end = _mm256_set1_ps(aim.end_mm);
+            let is_beyond = _mm256_or_ps(
+                _mm256_cmp_ps::<_CMP_LT_OQ>(far, _mm256_setzero_ps()),
+                _mm256_cmp_ps::<_CMP_GT_OQ>(near, end),
             );
+            let (wa, wb, wc) = (edge(cx, cy, bx, by), edge(ax, ay, cx, cy), edge(bx, by, ax, ay));
+            let least = _mm256_min_ps(_mm256_min_ps(wa, wb), wc);
+            let most = _mm256_max_ps(_mm256_max_ps(wa, wb), wc);
+            let width = _mm256_add_ps(_mm256_add_ps(wide_a, wide_b), wide_c);
+            let depth = _mm256_max_ps(far, _mm256_xor_ps(near, minus));
+            let reach = _mm256_mul_ps(_mm256_add_ps(width, depth), _mm256_set1_ps(EDGE_SLACK));
+            let slack = _mm256_fmadd_ps(width, reach, _mm256_set1_ps(LEAST_EDGE));
+            let is_beside = _mm256_and_ps(
+                _mm256_cmp_ps::<_CMP_LT_OQ>(least, _mm256_xor_ps(slack, minus)),
+                _mm256_cmp_ps::<_CMP_GT_OQ>(most, slack),
+            );
+            let triangles = _mm256_loadu_si256(packet.triangles.as_ptr().cast());
+            let is_left = _mm256_cmpeq_epi32(triangles, _mm256_set1_epi32(aim.leaving as i32));
+            let is_left = _mm256_castsi256_ps(is_left);
+            let is_out = _mm256_or_ps(_mm256_or_ps(is_beyond, is_left), is_beside);
             !_mm256_movemask_ps(is_out) as u32 & u32::from(packet.present)
+        }
+    }
+
+    /// Corners in lanes; each operation is one of [`Probe::cross_lane`].
+    #[inline(always)]
+    fn cross(packet: &Packet, lane: usize, probe: &Probe) -> Option<Crossing> {
+        let [kx, ky, kz] = probe.axes;
+        // SAFETY: as above.
+        unsafe {
+            let z = corners(packet, lane, kz);
+            let depth = _mm256_sub_pd(z, _mm256_set1_pd(probe.origin[kz]));
+            let x = _mm256_sub_pd(corners(packet, lane, kx), _mm256_set1_pd(probe.origin[kx]));
+            let y = _mm256_sub_pd(corners(packet, lane, ky), _mm256_set1_pd(probe.origin[ky]));
+            let x = _mm256_sub_pd(x, _mm256_mul_pd(_mm256_set1_pd(probe.shear[0]), depth));
+            let y = _mm256_sub_pd(y, _mm256_mul_pd(_mm256_set1_pd(probe.shear[1]), depth));
+            let z = _mm256_mul_pd(_mm256_set1_pd(probe.shear[2]), depth);
+            // Lanes: edge(c, b), edge(a, c), edge(b, a).
+            let (px, py) = (turn::<CAB>(x), turn::<CAB>(y));
+            let (qx, qy) = (turn::<BCA>(x), turn::<BCA>(y));
+            let (left, right) = (_mm256_mul_pd(px, qy), _mm256_mul_pd(py, qx));
+            let edges = _mm256_sub_pd(left, right);
+            let minus = _mm256_set1_pd(-0.0);
+            let sum = _mm256_add_pd(_mm256_andnot_pd(minus, left), _mm256_andnot_pd(minus, right));
+            let least = _mm256_mul_pd(_mm256_set1_pd(CANCELLATION), sum);
+            let is_cancelled = _mm256_cmp_pd::<_CMP_LE_OQ>(_mm256_andnot_pd(minus, edges), least);
+            if _mm256_movemask_pd(is_cancelled) & 7 != 0 {
+                return cross_cancelled(packet, lane, probe);
+            }
+            let zero = _mm256_setzero_pd();
+            let negative = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(edges, zero)) & 7;
+            let positive = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(edges, zero)) & 7;
+            if negative != 0 && positive != 0 {
+                return None;
+            }
+            let [wa, wb, wc] = first_three(edges);
+            let [ta, tb, tc] = first_three(_mm256_mul_pd(edges, z));
+            probe::crossing([wa, wb, wc], ta + tb + tc)
         }
     }
 }
 
-/// A triangle is left out only if f32 is sure. In units of 2⁻²⁴ an edge function is off by 4 of the
-/// sum of its two products: 2 each for rounding the coordinates, 1 each for the product, the
-/// difference included.
-const EDGE_SLACK: f32 = 8.0 / (1 << 24) as f32;
+/// Orders of lanes for [`turn`].
+const CAB: i32 = 0b11_01_00_10;
+const BCA: i32 = 0b11_00_10_01;
+
+/// The corners of a triangle on one axis.
+#[inline(always)]
+unsafe fn corners(packet: &Packet, lane: usize, axis: usize) -> __m256d {
+    let positions = &packet.positions[axis];
+    let [a, b, c] = &packet.corners;
+    let at = |places: &[u8; LANES]| positions[usize::from(places[lane]) % CORNERS];
+    // SAFETY: the caller has AVX.
+    unsafe { _mm256_setr_pd(at(a), at(b), at(c), 0.0) }
+}
+
+#[inline(always)]
+unsafe fn turn<const ORDER: i32>(values: __m256d) -> __m256d {
+    // SAFETY: the caller has AVX2.
+    unsafe { _mm256_permute4x64_pd::<ORDER>(values) }
+}
+
+#[inline(always)]
+unsafe fn first_three(values: __m256d) -> [f64; 3] {
+    // SAFETY: the caller has AVX.
+    unsafe {
+        let low = _mm256_castpd256_pd128(values);
+        let high = _mm256_extractf128_pd::<1>(values);
+        [_mm_cvtsd_f64(low), _mm_cvtsd_f64(_mm_unpackhi_pd(low, low)), _mm_cvtsd_f64(high)]
+    }
+}
+
+/// A cancelling edge function is for the plain test.
+#[cold]
+#[inline(never)]
+fn cross_cancelled(packet: &Packet, lane: usize, probe: &Probe) -> Option<Crossing> {
+    probe.cross_lane(packet, lane)
+}
+
+/// A triangle is left out only if f32 is sure of the signs of two edge functions.
+///
+/// In units of 2⁻²⁴, a sheared coordinate x − s z is off by 1 of |x|, 1 of z and 4 of s (in |s z|,
+/// and |s| ≤ 1), and 1 of the result: with Z the largest |z| and a corner's width n = |x| + |y|
+/// (of sheared coordinates), by at most 2 n + 6 Z. The edge function of p and q is then off by
+/// 6 Z (n_p + n_q) + 4 n_p n_q, its own rounding adds 2 n_p n_q. With S the sum of the three
+/// widths this is under 6 Z S + 1.5 S². The slack is 16 S (Z + S): it covers products of errors
+/// too, up to 2 (2 S + 6 Z)² 2⁻²⁴, since where S is under 64 Z 2⁻²⁴ no edge function reaches it.
+const EDGE_SLACK: f32 = 16.0 / (1 << 24) as f32;
 /// Keeps products that underflow from being sure.
 const LEAST_EDGE: f32 = 1e-36;
-/// Rounding a distance and the end of the ray, with a reserve.
-const Z_SLACK: f32 = 8.0 / (1 << 24) as f32;
 
-/// Sheared corners: all in f64 for the exact test, returned in f32.
-///
-/// No product is fused with the difference after it: the f64 values are the bits of the plain
-/// kernel.
+/// Sheared corners, from differences taken in f64.
 #[inline(always)]
-unsafe fn shear(packet: &Packet, probe: &Probe, sheared: &mut Sheared) -> [__m256; 3] {
+unsafe fn shear(packet: &Packet, aim: &Aim<WideRay>) -> [__m256; 3] {
+    let Aim { probe, ray, .. } = aim;
     let [kx, ky, kz] = probe.axes;
-    let (xs, ys, zs) = (&packet.positions[kx], &packet.positions[ky], &packet.positions[kz]);
-    // SAFETY: the caller has AVX; four f64 from 0 and from 4 are inside of arrays of eight.
+    // SAFETY: the caller has AVX.
     unsafe {
-        let ox = _mm256_set1_pd(probe.origin[kx]);
-        let oy = _mm256_set1_pd(probe.origin[ky]);
-        let oz = _mm256_set1_pd(probe.origin[kz]);
-        let sx = _mm256_set1_pd(probe.shear[0]);
-        let sy = _mm256_set1_pd(probe.shear[1]);
-        let sz = _mm256_set1_pd(probe.shear[2]);
-        let [px, py, pz] = &mut sheared.0;
-        let mut parts = [[_mm_setzero_ps(); 3]; 2];
-        for (half, part) in parts.iter_mut().enumerate() {
-            let i = 4 * half;
-            let depth = _mm256_sub_pd(_mm256_loadu_pd(zs.as_ptr().add(i)), oz);
-            let x = _mm256_sub_pd(_mm256_loadu_pd(xs.as_ptr().add(i)), ox);
-            let y = _mm256_sub_pd(_mm256_loadu_pd(ys.as_ptr().add(i)), oy);
-            let x = _mm256_sub_pd(x, _mm256_mul_pd(sx, depth));
-            let y = _mm256_sub_pd(y, _mm256_mul_pd(sy, depth));
-            let z = _mm256_mul_pd(sz, depth);
-            _mm256_storeu_pd(px.as_mut_ptr().add(i), x);
-            _mm256_storeu_pd(py.as_mut_ptr().add(i), y);
-            _mm256_storeu_pd(pz.as_mut_ptr().add(i), z);
-            *part = [_mm256_cvtpd_ps(x), _mm256_cvtpd_ps(y), _mm256_cvtpd_ps(z)];
-        }
-        let [p, q] = parts;
-        [_mm256_set_m128(q[0], p[0]), _mm256_set_m128(q[1], p[1]), _mm256_set_m128(q[2], p[2])]
+        let x = relative(&packet.positions[kx], probe.origin[kx]);
+        let y = relative(&packet.positions[ky], probe.origin[ky]);
+        let z = relative(&packet.positions[kz], probe.origin[kz]);
+        let [sx, sy, sz] = ray.shear;
+        [_mm256_fnmadd_ps(sx, z, x), _mm256_fnmadd_ps(sy, z, y), _mm256_mul_ps(sz, z)]
+    }
+}
+
+/// Eight coordinates as seen from the origin.
+#[inline(always)]
+unsafe fn relative(positions: &[f64; 8], origin: f64) -> __m256 {
+    // SAFETY: the caller has AVX; four f64 from 0 and from 4 are inside of an array of eight.
+    unsafe {
+        let origin = _mm256_set1_pd(origin);
+        let low = _mm256_sub_pd(_mm256_loadu_pd(positions.as_ptr()), origin);
+        let high = _mm256_sub_pd(_mm256_loadu_pd(positions.as_ptr().add(4)), origin);
+        _mm256_set_m128(_mm256_cvtpd_ps(high), _mm256_cvtpd_ps(low))
     }
 }
 
@@ -145,37 +277,35 @@ unsafe fn gather(values: __m256, places: &[__m256i; 3]) -> (__m256, __m256, __m2
     }
 }
 
-/// Where the edge function of p and q is surely negative, and where surely positive.
+/// Edge functions of p and q.
 #[inline(always)]
-unsafe fn sign(px: __m256, py: __m256, qx: __m256, qy: __m256) -> (__m256, __m256) {
+unsafe fn edge(px: __m256, py: __m256, qx: __m256, qy: __m256) -> __m256 {
     // SAFETY: the caller has AVX2 and FMA.
+    unsafe { _mm256_fmsub_ps(px, qy, _mm256_mul_ps(py, qx)) }
+}
+
+/// Where the ray meets the eight planes that lie so many bytes into the node.
+#[inline(always)]
+unsafe fn plane(node: &WideNode, place: usize, ray: &WideRay, axis: usize) -> __m256 {
+    // SAFETY: one of the six planes of a node, see `WideRay::entry`; the caller has AVX2 and FMA.
     unsafe {
-        let minus = _mm256_set1_ps(-0.0);
-        let (left, right) = (_mm256_mul_ps(px, qy), _mm256_mul_ps(py, qx));
-        let area = _mm256_sub_ps(left, right);
-        let sum = _mm256_add_ps(_mm256_andnot_ps(minus, left), _mm256_andnot_ps(minus, right));
-        let slack = _mm256_fmadd_ps(sum, _mm256_set1_ps(EDGE_SLACK), _mm256_set1_ps(LEAST_EDGE));
-        (
-            _mm256_cmp_ps::<_CMP_LT_OQ>(area, _mm256_xor_ps(slack, minus)),
-            _mm256_cmp_ps::<_CMP_GT_OQ>(area, slack),
-        )
+        let planes = node.planes.as_ptr().cast::<u8>().add(place).cast::<f32>();
+        _mm256_fmsub_ps(_mm256_loadu_ps(planes), ray.inverse[axis], ray.origin_inverse[axis])
     }
 }
 
-/// Where the ray meets eight planes.
+/// Three f64 and a 0.
 #[inline(always)]
-unsafe fn plane(positions: &Lanes, ray: &TreeRay, axis: usize) -> __m256 {
-    // SAFETY: the caller has AVX2 and FMA.
-    unsafe {
-        let inverse = _mm256_set1_ps(ray.inverse[axis]);
-        _mm256_fmsub_ps(load(positions), inverse, _mm256_set1_ps(ray.origin_inverse[axis]))
-    }
+unsafe fn triple(values: &[f64; 3]) -> __m256d {
+    // SAFETY: two and one of three values; the caller has AVX.
+    unsafe { _mm256_set_m128d(_mm_load_sd(values.as_ptr().add(2)), _mm_loadu_pd(values.as_ptr())) }
 }
 
+/// One of four lanes in eight.
 #[inline(always)]
-unsafe fn load(lanes: &Lanes) -> __m256 {
-    // SAFETY: a reference to eight f32; the caller has AVX.
-    unsafe { _mm256_loadu_ps(lanes.as_ptr()) }
+unsafe fn spread<const LANE: i32>(values: __m128) -> __m256 {
+    // SAFETY: the caller has AVX2.
+    unsafe { _mm256_broadcastss_ps(_mm_shuffle_ps::<LANE>(values, values)) }
 }
 
 /// [`Bvh::closest_with`] compiled for AVX2 and FMA.

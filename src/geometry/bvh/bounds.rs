@@ -47,6 +47,11 @@ pub(super) struct Frame {
     pub radius_mm: f64,
     /// Frame units a mm, a power of two.
     pub per_mm: f64,
+    /// A ray's origin may be this far before the center, mm.
+    pub reach_mm: f64,
+    /// Square of 1.5 radii: no way through the sphere from `reach_mm` before its center begins
+    /// farther from it than √2 radii.
+    pub limit_mm2: f64,
 }
 
 impl Frame {
@@ -56,7 +61,8 @@ impl Frame {
         let half = (high - center).max(center - low);
         let radius_mm = half.length() * (1.0 + f64::from(PAD));
         let per_mm = if radius_mm > 0.0 { (-radius_mm.log2().ceil()).exp2() } else { 1.0 };
-        Frame { center, radius_mm, per_mm }
+        let reach_mm = radius_mm * (1.0 + 1e-6) + 8.0 * f64::EPSILON * center.abs().max_element();
+        Frame { center, radius_mm, per_mm, reach_mm, limit_mm2: (1.5 * radius_mm).powi(2) }
     }
 
     #[inline(always)]

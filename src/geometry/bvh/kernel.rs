@@ -2,46 +2,66 @@
 //! triangles. Both may say yes too often and never no to what the f64 test accepts, so that hits do
 //! not depend on the kernel.
 
-use super::probe::Probe;
+use super::super::DVec3;
+use super::bounds::Frame;
+use super::probe::{Crossing, Probe};
 use super::walk::TreeRay;
 use super::wide::{CORNERS, LANES, Lanes, Packet, WideNode};
 
-/// The corners of a packet as a probe sees them: coordinate, then place.
-#[derive(Debug, Clone, Copy)]
-#[repr(C, align(64))]
-pub(super) struct Sheared(pub [[f64; CORNERS]; 3]);
+/// A distance as [`Kernel::may_meet`] compares it. It covers the rounding of this value (2), of f32
+/// distances (4) and of a mean of the corners' distances, in units of 2⁻²⁴.
+#[inline(always)]
+pub(super) fn to_end_mm(t_mm: f64) -> f32 {
+    t_mm as f32 * (1.0 + 8.0 / (1 << 24) as f32)
+}
 
-impl Sheared {
-    pub const NONE: Sheared = Sheared([[0.0; CORNERS]; 3]);
-
-    #[inline(always)]
-    pub fn corner(&self, place: u8) -> [f64; 3] {
-        let place = usize::from(place);
-        [self.0[0][place], self.0[1][place], self.0[2][place]]
-    }
+/// What a packet is tested against: triangles that `probe` meets up to `end_mm`, but not `leaving`.
+pub(super) struct Aim<'a, Ray> {
+    pub probe: &'a Probe,
+    pub ray: &'a Ray,
+    pub leaving: u32,
+    pub end_mm: f32,
 }
 
 pub(super) trait Kernel {
+    /// A ray made ready for both tests.
+    type Ray;
+
+    fn aim(probe: &Probe, direction: &DVec3, frame: &Frame) -> Self::Ray;
+
     /// Which boxes the ray enters before `end`, and where (≥ 0).
-    fn enter(node: &WideNode, ray: &TreeRay, end: f32) -> (u32, Lanes);
+    fn enter(node: &WideNode, ray: &Self::Ray, end: f32) -> (u32, Lanes);
 
-    /// Keeps the compiler from turning the branch in which it stands into a choice of values.
+    /// Keeps the compiler from turning the branch in which it stands into a choice of values, and
+    /// from merging it with one of another tag.
     #[inline(always)]
-    fn branch() {}
+    fn branch<const TAG: usize>() {}
 
-    /// Asks the memory for what will be read soon.
+    /// Asks the memory for the node or packet that starts there.
     #[inline(always)]
-    fn prefetch<T>(_place: &T) {}
+    fn prefetch(_start: *const u8) {}
 
-    /// Shears the corners, with the same bits in every kernel, and says which triangles the probe
-    /// may meet up to `end_mm`.
-    fn may_meet(packet: &Packet, probe: &Probe, end_mm: f64, sheared: &mut Sheared) -> u32;
+    /// Which triangles the ray may meet.
+    fn may_meet(packet: &Packet, aim: &Aim<Self::Ray>) -> u32;
+
+    /// Where the probe meets the triangle in a lane: the same bits in every kernel.
+    #[inline(always)]
+    fn cross(packet: &Packet, lane: usize, probe: &Probe) -> Option<Crossing> {
+        probe.cross_lane(packet, lane)
+    }
 }
 
 /// Plain arrays, which compilers turn into whatever vectors the target has.
 pub(super) struct Portable;
 
 impl Kernel for Portable {
+    type Ray = TreeRay;
+
+    #[inline(always)]
+    fn aim(probe: &Probe, direction: &DVec3, frame: &Frame) -> TreeRay {
+        TreeRay::new(probe, direction, frame)
+    }
+
     #[inline(always)]
     fn enter(node: &WideNode, ray: &TreeRay, end: f32) -> (u32, Lanes) {
         let mut near = [0.0f32; LANES];
@@ -64,20 +84,20 @@ impl Kernel for Portable {
     }
 
     #[inline(always)]
-    fn may_meet(packet: &Packet, probe: &Probe, end_mm: f64, sheared: &mut Sheared) -> u32 {
+    fn may_meet(packet: &Packet, aim: &Aim<TreeRay>) -> u32 {
+        let probe = aim.probe;
         let [kx, ky, kz] = probe.axes;
         let (xs, ys, zs) = (&packet.positions[kx], &packet.positions[ky], &packet.positions[kz]);
         let (ox, oy, oz) = (probe.origin[kx], probe.origin[ky], probe.origin[kz]);
         let [sx, sy, sz] = probe.shear;
-        let [px, py, pz] = &mut sheared.0;
+        let [mut px, mut py, mut pz] = [[0.0; CORNERS]; 3];
         for i in 0..CORNERS {
             let depth = zs[i] - oz;
             px[i] = xs[i] - ox - sx * depth;
             py[i] = ys[i] - oy - sy * depth;
             pz[i] = sz * depth;
         }
-        // A distance is a mean of those of the corners, but for its rounding.
-        let end_mm = end_mm * (1.0 + 64.0 * f64::EPSILON);
+        let end_mm = f64::from(aim.end_mm);
         let mut is_met = [false; LANES];
         for (lane, is_met) in is_met.iter_mut().enumerate() {
             let a = usize::from(packet.corners[0][lane]) % CORNERS;
@@ -90,7 +110,8 @@ impl Kernel for Portable {
             let most = wa.max(wb).max(wc);
             let near = pz[a].min(pz[b]).min(pz[c]);
             let far = pz[a].max(pz[b]).max(pz[c]);
-            *is_met = !((least < 0.0) & (most > 0.0)) & (far > 0.0) & (near <= end_mm);
+            let is_other = packet.triangles[lane] != aim.leaving;
+            *is_met = !((least < 0.0) & (most > 0.0)) & (far > 0.0) & (near <= end_mm) & is_other;
         }
         to_bits(&is_met) & u32::from(packet.present)
     }

@@ -11,17 +11,17 @@
 //! which the exact projection covers is covered by a triangle that accepts it, on edges and at
 //! corners too.
 
-use super::super::{DVec3, Ray};
+use super::super::DVec3;
+use super::wide::{CORNERS, Packet};
 
 /// Below this share of its products an edge function is evaluated again without rounding them:
 /// it keeps the weights of slivers and of triangles seen edge-on good to 2⁻⁴¹.
-const CANCELLATION: f64 = 1.0 / 4096.0;
+pub(super) const CANCELLATION: f64 = 1.0 / 4096.0;
 
 /// A ray made ready for many exact tests.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Probe {
     pub origin: [f64; 3],
-    pub direction: [f64; 3],
     /// How far `origin` was moved along the ray of the caller, mm.
     pub advance_mm: f64,
     /// Axis order: the last is that in which the direction is longest.
@@ -29,6 +29,12 @@ pub(super) struct Probe {
     /// What the first two axes move per unit of the third, and the ray's length per unit of it.
     pub shear: [f64; 3],
 }
+
+/// Axis orders by which of |x| > |y|, |y| > |z| and |x| > |z| (bits from 0) hold.
+const AXES: [[usize; 3]; 8] = {
+    let (x, y, z) = ([1, 2, 0], [2, 0, 1], [0, 1, 2]);
+    [z, z, y, y, z, x, y, x]
+};
 
 /// Where a probe crosses a triangle: distance from the probe's origin, weights of corners 1 and 2.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,38 +45,51 @@ pub(super) struct Crossing {
 }
 
 impl Probe {
-    /// `advance_mm` moves the origin toward the scene, which keeps the digits of far cameras.
+    /// `origin` lies on the ray, `advance_mm` from its own origin.
     #[inline(always)]
-    pub fn new(ray: &Ray, advance_mm: f64) -> Probe {
-        let d = ray.direction.to_array();
+    pub fn new(origin: DVec3, direction: &DVec3, advance_mm: f64) -> Probe {
+        let d: &[f64; 3] = direction.as_ref();
         let [x, y, z] = [d[0].abs(), d[1].abs(), d[2].abs()];
-        let axes = if x > y && x > z {
-            [1, 2, 0]
-        } else if y > z {
-            [2, 0, 1]
-        } else {
-            [0, 1, 2]
-        };
+        let order = usize::from(x > y) | usize::from(y > z) << 1 | usize::from(x > z) << 2;
+        let axes = AXES[order];
         let per_depth = 1.0 / d[axes[2]];
         let shear = [d[axes[0]] * per_depth, d[axes[1]] * per_depth, per_depth];
-        let origin =
-            if advance_mm > 0.0 { ray.origin + ray.direction * advance_mm } else { ray.origin };
-        Probe { origin: origin.to_array(), direction: d, advance_mm, axes, shear }
+        Probe { origin: origin.to_array(), advance_mm, axes, shear }
     }
 
     /// Both sides of a triangle count; one seen exactly edge-on is never met.
     #[cfg(test)]
     pub fn cross(&self, corners: [DVec3; 3]) -> Option<Crossing> {
-        cross(corners.map(|corner| self.to_sheared(corner.to_array())))
+        let [kx, ky, kz] = self.axes;
+        cross(corners.map(|corner| self.to_sheared(corner[kx], corner[ky], corner[kz])))
     }
 
-    /// 2D position about the ray, and distance along it: what each kernel computes for a packet.
-    #[cfg(test)]
-    fn to_sheared(self, corner: [f64; 3]) -> [f64; 3] {
-        let depth = corner[self.axes[2]] - self.origin[self.axes[2]];
+    /// The same for a triangle of a packet.
+    #[inline(always)]
+    pub fn cross_lane(&self, packet: &Packet, lane: usize) -> Option<Crossing> {
+        let [kx, ky, kz] = self.axes;
+        let (xs, ys, zs) = (&packet.positions[kx], &packet.positions[ky], &packet.positions[kz]);
+        let [a, b, c] = &packet.corners;
+        let (a, b, c) = (
+            usize::from(a[lane]) % CORNERS,
+            usize::from(b[lane]) % CORNERS,
+            usize::from(c[lane]) % CORNERS,
+        );
+        cross([
+            self.to_sheared(xs[a], ys[a], zs[a]),
+            self.to_sheared(xs[b], ys[b], zs[b]),
+            self.to_sheared(xs[c], ys[c], zs[c]),
+        ])
+    }
+
+    /// 2D position about the ray, and distance along it.
+    #[inline(always)]
+    fn to_sheared(&self, x: f64, y: f64, z: f64) -> [f64; 3] {
+        let [kx, ky, kz] = self.axes;
+        let depth = z - self.origin[kz];
         [
-            corner[self.axes[0]] - self.origin[self.axes[0]] - self.shear[0] * depth,
-            corner[self.axes[1]] - self.origin[self.axes[1]] - self.shear[1] * depth,
+            x - self.origin[kx] - self.shear[0] * depth,
+            y - self.origin[ky] - self.shear[1] * depth,
             self.shear[2] * depth,
         ]
     }
@@ -78,17 +97,24 @@ impl Probe {
 
 /// Where the third axis crosses a triangle of sheared corners.
 #[inline(always)]
-pub(super) fn cross([a, b, c]: [[f64; 3]; 3]) -> Option<Crossing> {
+fn cross([a, b, c]: [[f64; 3]; 3]) -> Option<Crossing> {
     let (wa, wb, wc) = (edge(c, b), edge(a, c), edge(b, a));
     if (wa < 0.0) | (wb < 0.0) | (wc < 0.0) && (wa > 0.0) | (wb > 0.0) | (wc > 0.0) {
         return None;
     }
+    crossing([wa, wb, wc], wa * a[2] + wb * b[2] + wc * c[2])
+}
+
+/// From the edge functions, none of them negative or none of them positive, and the sum of the
+/// corners' distances weighed by them.
+#[inline(always)]
+pub(super) fn crossing([wa, wb, wc]: [f64; 3], distances: f64) -> Option<Crossing> {
     let area = wa + wb + wc;
     if area == 0.0 {
         return None;
     }
     let per_area = 1.0 / area;
-    let t_mm = (wa * a[2] + wb * b[2] + wc * c[2]) * per_area;
+    let t_mm = distances * per_area;
     // False for NaN too.
     (t_mm > 0.0).then_some(Crossing { t_mm, u: wb * per_area, v: wc * per_area })
 }

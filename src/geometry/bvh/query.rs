@@ -6,10 +6,10 @@ use super::super::{DVec3, Hit, Ray, TriangleId};
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
 use super::bounds::FARTHEST;
-use super::kernel::{Kernel, Portable, Sheared};
-use super::probe::{self, Crossing, Probe};
-use super::walk::{self, TreeRay};
-use super::wide::Packet;
+use super::kernel::{Aim, Kernel, Portable, to_end_mm};
+use super::probe::{Crossing, Probe};
+use super::walk;
+use super::wide::NO_TRIANGLE;
 use super::{Bvh, Simd, departure};
 
 /// The open segment of a visibility question.
@@ -27,7 +27,7 @@ impl Bvh {
         match self.simd {
             Simd::Portable => self.closest_with::<Portable>(ray, leaving),
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: `Simd::detect` makes this variant only where the processor has the features.
+            // SAFETY: `Simd::available` names this variant only where the processor has the features.
             Simd::Avx2 => unsafe { avx2::closest(self, ray, leaving) },
         }
     }
@@ -58,31 +58,35 @@ impl Bvh {
         leaving: Option<TriangleId>,
     ) -> Option<Hit> {
         let probe = self.probe(ray)?;
-        let tree_ray = TreeRay::new(&probe, &self.frame);
-        let mut best: Option<(Crossing, u32)> = None;
-        let mut end_mm = f64::INFINITY;
-        let mut sheared = Sheared::NONE;
-        self.tree.walk::<K>(&tree_ray, FARTHEST as f32, |packet| {
-            let mut lanes = K::may_meet(packet, &probe, end_mm, &mut sheared);
+        let tree_ray = K::aim(&probe, &ray.direction, &self.frame);
+        let leaving = leaving.map_or(NO_TRIANGLE, |triangle| triangle.0);
+        let mut best = Crossing { t_mm: f64::INFINITY, u: 0.0, v: 0.0 };
+        let mut best_triangle = NO_TRIANGLE;
+        let mut end = FARTHEST as f32;
+        let mut end_mm = f32::INFINITY;
+        self.tree.walk::<K>(&tree_ray, end, |packet| {
+            let aim = Aim { probe: &probe, ray: &tree_ray, leaving, end_mm };
+            let mut lanes = K::may_meet(packet, &aim);
             while lanes != 0 {
                 let lane = walk::take_lane(&mut lanes);
                 let triangle = packet.triangles[lane];
-                if leaving != Some(TriangleId(triangle))
-                    && let Some(found) = cross_lane(packet, lane, &sheared)
-                    && (found.t_mm < end_mm
-                        || found.t_mm == end_mm && best.is_some_and(|(_, id)| triangle < id))
+                if let Some(found) = K::cross(packet, lane, &probe)
+                    && (found.t_mm < best.t_mm
+                        || found.t_mm == best.t_mm && triangle < best_triangle)
                 {
-                    best = Some((found, triangle));
-                    end_mm = found.t_mm;
+                    best = found;
+                    best_triangle = triangle;
+                    end = self.frame.to_end(found.t_mm);
+                    end_mm = to_end_mm(found.t_mm);
                 }
             }
-            ControlFlow::Continue(self.frame.to_end(end_mm))
+            ControlFlow::Continue(end)
         });
-        best.map(|(crossing, triangle)| Hit {
-            distance_mm: crossing.t_mm + probe.advance_mm,
-            u: crossing.u,
-            v: crossing.v,
-            triangle: TriangleId(triangle),
+        (best_triangle != NO_TRIANGLE).then(|| Hit {
+            distance_mm: best.t_mm + probe.advance_mm,
+            u: best.u,
+            v: best.v,
+            triangle: TriangleId(best_triangle),
         })
     }
 
@@ -90,18 +94,22 @@ impl Bvh {
     pub(super) fn occluded_with<K: Kernel>(&self, segment: &Segment, blocks: &[bool]) -> bool {
         let Some(probe) = self.probe(&segment.ray) else { return false };
         let end_mm = segment.length_mm - probe.advance_mm;
-        let tree_ray = TreeRay::new(&probe, &self.frame);
+        let tree_ray = K::aim(&probe, &segment.ray.direction, &self.frame);
         let end = self.frame.to_end(end_mm);
+        let aim = Aim {
+            probe: &probe,
+            ray: &tree_ray,
+            leaving: segment.leaving.map_or(NO_TRIANGLE, |triangle| triangle.0),
+            end_mm: to_end_mm(end_mm),
+        };
         let mut is_hidden = false;
-        let mut sheared = Sheared::NONE;
         self.tree.walk::<K>(&tree_ray, end, |packet| {
-            let mut lanes = K::may_meet(packet, &probe, end_mm, &mut sheared);
+            let mut lanes = K::may_meet(packet, &aim);
             while lanes != 0 {
                 let lane = walk::take_lane(&mut lanes);
                 let id = TriangleId(packet.triangles[lane]);
-                is_hidden = segment.leaving != Some(id)
-                    && blocks[self.locate(id).0]
-                    && cross_lane(packet, lane, &sheared).is_some_and(|c| c.t_mm < end_mm);
+                is_hidden = blocks[self.locate(id).0]
+                    && K::cross(packet, lane, &probe).is_some_and(|c| c.t_mm < end_mm);
                 if is_hidden {
                     return ControlFlow::Break(());
                 }
@@ -114,15 +122,27 @@ impl Bvh {
     /// `None` if the ray passes the scene by.
     #[inline(always)]
     pub(super) fn probe(&self, ray: &Ray) -> Option<Probe> {
-        let to_center = self.frame.center - ray.origin;
-        let along_mm = to_center.dot(ray.direction);
-        let beside = to_center - ray.direction * along_mm;
-        // The sphere, and what rounding far away may take from the distance to it.
-        let reach_mm = self.frame.radius_mm * (1.0 + 1e-6)
-            + 8.0 * f64::EPSILON * (along_mm.abs() + ray.origin.abs().max_element());
+        let away = ray.origin - self.frame.center;
+        if away.length_squared() <= self.frame.limit_mm2 {
+            // NaN and infinities only in the direction.
+            let is_finite = ray.direction.length_squared() < 2.0;
+            return is_finite.then(|| Probe::new(ray.origin, &ray.direction, 0.0));
+        }
+        self.probe_from_afar(ray)
+    }
+
+    /// Moves the origin of a ray toward the scene.
+    #[inline(always)]
+    fn probe_from_afar(&self, ray: &Ray) -> Option<Probe> {
+        let frame = &self.frame;
+        let along_mm = (frame.center - ray.origin).dot(ray.direction);
+        // Rounding far away may take a few ε of the distance.
+        let reach_mm = frame.reach_mm + 8.0 * f64::EPSILON * along_mm.abs();
+        let advance_mm = (along_mm - reach_mm).max(0.0);
+        let origin = ray.origin + ray.direction * advance_mm;
+        let is_near = (origin - frame.center).length_squared() <= frame.limit_mm2;
         // False for rays with NaN, and if there is no triangle.
-        (beside.length_squared() <= reach_mm * reach_mm && along_mm >= -reach_mm)
-            .then(|| Probe::new(ray, (along_mm - reach_mm).max(0.0)))
+        is_near.then(|| Probe::new(origin, &ray.direction, advance_mm))
     }
 
     /// A little shorter than the way to `target`, so that a surface on which the target lies doesn't
@@ -135,10 +155,4 @@ impl Bvh {
         let ray = Ray { origin: from, direction: path / way_mm };
         (length_mm > 0.0).then_some(Segment { ray, length_mm, leaving })
     }
-}
-
-#[inline(always)]
-fn cross_lane(packet: &Packet, lane: usize, sheared: &Sheared) -> Option<Crossing> {
-    let [a, b, c] = [packet.corners[0][lane], packet.corners[1][lane], packet.corners[2][lane]];
-    probe::cross([sheared.corner(a), sheared.corner(b), sheared.corner(c)])
 }

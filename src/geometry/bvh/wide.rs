@@ -9,6 +9,9 @@ use super::forest::{Forest, Part};
 /// Children of a node, triangles of a packet, lanes of a kernel.
 pub(super) const LANES: usize = 8;
 
+/// No triangle has this number.
+pub(super) const NO_TRIANGLE: u32 = u32::MAX;
+
 /// One value a child or triangle.
 pub(super) type Lanes = [f32; LANES];
 
@@ -21,7 +24,12 @@ impl Child {
 
     #[inline(always)]
     pub fn as_packet(self) -> Option<usize> {
-        (self.0 & Child::PACKET != 0).then_some((self.0 & !Child::PACKET) as usize)
+        (self.0 & Child::PACKET != 0).then_some(self.index())
+    }
+
+    #[inline(always)]
+    pub fn index(self) -> usize {
+        (self.0 & !Child::PACKET) as usize
     }
 }
 
@@ -65,7 +73,7 @@ impl Packet {
     fn new(triangles: impl Iterator<Item = (u32, [DVec3; 3])>) -> Option<Packet> {
         let mut packet = Packet {
             positions: [[0.0; CORNERS]; 3],
-            triangles: [u32::MAX; LANES],
+            triangles: [NO_TRIANGLE; LANES],
             corners: [[0; LANES]; 3],
             present: 0,
         };
