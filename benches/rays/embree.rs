@@ -38,8 +38,7 @@ type Object = *mut c_void;
 type NewObject = unsafe extern "C" fn(Object) -> Object;
 type NewDevice = unsafe extern "C" fn(*const c_char) -> Object;
 type NewGeometry = unsafe extern "C" fn(Object, c_int) -> Object;
-type NewBuffer =
-    unsafe extern "C" fn(Object, c_int, u32, c_int, usize, usize) -> *mut c_void;
+type NewBuffer = unsafe extern "C" fn(Object, c_int, u32, c_int, usize, usize) -> *mut c_void;
 type Commit = unsafe extern "C" fn(Object);
 type Attach = unsafe extern "C" fn(Object, Object) -> u32;
 /// Scene, context, ray in version 3; scene, ray, arguments in version 4.
