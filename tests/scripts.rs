@@ -81,7 +81,7 @@ fn figures_are_drawn() {
 
 #[test]
 fn tables_are_printed() {
-    for name in ["table2", "table3", "table4", "table5", "stability"] {
+    for name in ["table2", "table3", "table4", "table5", "stability", "bench"] {
         run(name, &["tiny"]);
     }
 }
