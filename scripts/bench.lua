@@ -24,7 +24,7 @@ local function count(number)
   for _, unit in ipairs { { 1e6, "million" }, { 1e3, "thousand" } } do
     if number >= unit[1] then return ("%.1f %s"):format(number / unit[1], unit[2]) end
   end
-  return ("%d"):format(number)
+  return ("%.0f"):format(number)
 end
 
 local light_samples = 0
