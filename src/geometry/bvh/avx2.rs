@@ -106,10 +106,10 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn may_meet(packet: &Packet, aim: &Aim<WideRay>) -> u32 {
+    fn may_meet(packet: &Packet, ray: &WideRay, aim: &Aim) -> u32 {
         // SAFETY: as above.
         unsafe {
-            let [x, y, z] = shear(packet, aim);
+            let [x, y, z] = shear(packet, aim.probe, ray);
             let minus = _mm256_set1_ps(-0.0);
             let width = _mm256_add_ps(_mm256_andnot_ps(minus, x), _mm256_andnot_ps(minus, y));
             let places =
@@ -233,8 +233,7 @@ const LEAST_EDGE: f32 = 1e-36;
 
 /// Sheared corners, from differences taken in f64.
 #[inline(always)]
-unsafe fn shear(packet: &Packet, aim: &Aim<WideRay>) -> [__m256; 3] {
-    let Aim { probe, ray, .. } = aim;
+unsafe fn shear(packet: &Packet, probe: &Probe, ray: &WideRay) -> [__m256; 3] {
     let [kx, ky, kz] = probe.axes;
     // SAFETY: the caller has AVX.
     unsafe {

@@ -16,9 +16,8 @@ pub(super) fn to_end_mm(t_mm: f64) -> f32 {
 }
 
 /// What a packet is tested against: triangles that `probe` meets up to `end_mm`, but not `leaving`.
-pub(super) struct Aim<'a, Ray> {
+pub(super) struct Aim<'a> {
     pub probe: &'a Probe,
-    pub ray: &'a Ray,
     pub leaving: u32,
     pub end_mm: f32,
 }
@@ -42,7 +41,7 @@ pub(super) trait Kernel {
     fn prefetch(_start: *const u8) {}
 
     /// Which triangles the ray may meet.
-    fn may_meet(packet: &Packet, aim: &Aim<Self::Ray>) -> u32;
+    fn may_meet(packet: &Packet, ray: &Self::Ray, aim: &Aim) -> u32;
 
     /// Where the probe meets the triangle in a lane: the same bits in every kernel.
     #[inline(always)]
@@ -84,7 +83,7 @@ impl Kernel for Portable {
     }
 
     #[inline(always)]
-    fn may_meet(packet: &Packet, aim: &Aim<TreeRay>) -> u32 {
+    fn may_meet(packet: &Packet, _ray: &TreeRay, aim: &Aim) -> u32 {
         let probe = aim.probe;
         let [kx, ky, kz] = probe.axes;
         let (xs, ys, zs) = (&packet.positions[kx], &packet.positions[ky], &packet.positions[kz]);

@@ -61,7 +61,7 @@ impl Probe {
     #[cfg(test)]
     pub fn cross(&self, corners: [DVec3; 3]) -> Option<Crossing> {
         let [kx, ky, kz] = self.axes;
-        cross(corners.map(|corner| self.to_sheared(corner[kx], corner[ky], corner[kz])))
+        cross(corners.map(|corner| self.sheared(corner[kx], corner[ky], corner[kz])))
     }
 
     /// The same for a triangle of a packet.
@@ -76,15 +76,15 @@ impl Probe {
             usize::from(c[lane]) % CORNERS,
         );
         cross([
-            self.to_sheared(xs[a], ys[a], zs[a]),
-            self.to_sheared(xs[b], ys[b], zs[b]),
-            self.to_sheared(xs[c], ys[c], zs[c]),
+            self.sheared(xs[a], ys[a], zs[a]),
+            self.sheared(xs[b], ys[b], zs[b]),
+            self.sheared(xs[c], ys[c], zs[c]),
         ])
     }
 
     /// 2D position about the ray, and distance along it.
     #[inline(always)]
-    fn to_sheared(&self, x: f64, y: f64, z: f64) -> [f64; 3] {
+    fn sheared(&self, x: f64, y: f64, z: f64) -> [f64; 3] {
         let [kx, ky, kz] = self.axes;
         let depth = z - self.origin[kz];
         [

@@ -65,8 +65,8 @@ impl Bvh {
         let mut end = FARTHEST as f32;
         let mut end_mm = f32::INFINITY;
         self.tree.walk::<K>(&tree_ray, end, |packet| {
-            let aim = Aim { probe: &probe, ray: &tree_ray, leaving, end_mm };
-            let mut lanes = K::may_meet(packet, &aim);
+            let aim = Aim { probe: &probe, leaving, end_mm };
+            let mut lanes = K::may_meet(packet, &tree_ray, &aim);
             while lanes != 0 {
                 let lane = walk::take_lane(&mut lanes);
                 let triangle = packet.triangles[lane];
@@ -82,7 +82,7 @@ impl Bvh {
             }
             ControlFlow::Continue(end)
         });
-        (best_triangle != NO_TRIANGLE).then(|| Hit {
+        (best_triangle != NO_TRIANGLE).then_some(Hit {
             distance_mm: best.t_mm + probe.advance_mm,
             u: best.u,
             v: best.v,
@@ -98,13 +98,12 @@ impl Bvh {
         let end = self.frame.to_end(end_mm);
         let aim = Aim {
             probe: &probe,
-            ray: &tree_ray,
             leaving: segment.leaving.map_or(NO_TRIANGLE, |triangle| triangle.0),
             end_mm: to_end_mm(end_mm),
         };
         let mut is_hidden = false;
         self.tree.walk::<K>(&tree_ray, end, |packet| {
-            let mut lanes = K::may_meet(packet, &aim);
+            let mut lanes = K::may_meet(packet, &tree_ray, &aim);
             while lanes != 0 {
                 let lane = walk::take_lane(&mut lanes);
                 let id = TriangleId(packet.triangles[lane]);
