@@ -13,8 +13,8 @@
 //!   largest |s − c̄|² times the trace of C;
 //! - the correlation of τ with ∇G·(s − c̄), and the samples that τ turns toward or away;
 //! - interpolation: E is convex on the octahedron's faces, so it lies between the blended tangents
-//!   and the interpolated values. Their mean is used, and that part of half their difference that
-//!   was measured while building.
+//!   and the interpolated values. Their mean is used; how far it may be off was measured while
+//!   building.
 
 use super::eight::{Eight, Vectors, dot, dot_one, scaled, transposed, turned, vectors};
 use super::levels::Octet;
@@ -89,7 +89,7 @@ fn kernel(octet: &Octet, (grid, table): (Grid, &[Channels]), query: &NodeQuery) 
     let to_center: Vectors = vectors(|axis| octet.center[axis] + -query.point[axis]);
     let inverse_distance = dot(&to_center, &to_center).inverse_sqrt();
     let outward = scaled(&to_center, -inverse_distance);
-    let emission = Emission::look_up(&outward, octet.interpolation, grid, table);
+    let emission = Emission::look_up(&outward, octet, (grid, table));
     let cloud = Cloud::new(&to_center, octet.radius, &emission);
     let lobes = sum_lobes(&cloud, query);
 
@@ -134,7 +134,7 @@ fn near_bound(octet: &Octet, inverse_distance: Eight, query: &NodeQuery) -> Eigh
 struct Emission {
     /// Between the two bounds of E.
     middle: Eight,
-    /// Measured part of half the bounds' distance.
+    /// Of `middle`, see [`super::interpolation::TableError`].
     uncertainty: Eight,
     /// Interpolated E, consistent with the moments.
     total: Eight,
@@ -148,12 +148,7 @@ struct Emission {
 
 impl Emission {
     #[inline(always)]
-    fn look_up(
-        outward: &Vectors,
-        interpolation: Eight,
-        grid: Grid,
-        table: &[Channels],
-    ) -> Emission {
+    fn look_up(outward: &Vectors, octet: &Octet, (grid, table): (Grid, &[Channels])) -> Emission {
         let l1 = (outward[0].abs() + outward[1].abs() + outward[2].abs()).at_least(1e-30);
         let inverse = l1.recip();
         let on_octahedron = scaled(outward, inverse);
@@ -169,7 +164,7 @@ impl Emission {
         }
         Emission {
             middle: ((total + tangent) * 0.5).at_least(0.0),
-            uncertainty: (total - tangent) * 0.5 * interpolation,
+            uncertainty: ((total - tangent) * 0.5 * octet.error_share).smaller(octet.largest_error),
             total,
             mean,
             covariance,
