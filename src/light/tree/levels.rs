@@ -32,6 +32,8 @@ pub(super) struct Octet {
     pub center: Vectors,
     /// Of spheres about the centers that hold the samples.
     pub radius: Eight,
+    /// Of boxes about the centers that hold the samples.
+    pub half_size: Vectors,
     pub flux: Eight,
     /// See [`TableError`].
     pub error_share: Eight,
@@ -202,14 +204,14 @@ impl BuiltOctet {
         let errors = |f: &dyn Fn(&TableError) -> f64| {
             Eight(std::array::from_fn(|i| self.errors.get(i).map_or(1.0, f) as f32))
         };
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        // f32 rounds center and offsets: let sphere and box hold the rounded ones.
+        let grown =
+            |size: f64, p: &Place| size * (1.0 + 1e-5) + 1e-7 * p.center.distance(tree_center);
         Octet {
-            center: [
-                lanes(&|p| p.center.x - tree_center.x),
-                lanes(&|p| p.center.y - tree_center.y),
-                lanes(&|p| p.center.z - tree_center.z),
-            ],
-            // f32 rounds center and offsets: let the sphere hold the rounded ones.
-            radius: lanes(&|p| p.radius * (1.0 + 1e-5) + 1e-7 * (p.center - tree_center).length()),
+            center: axes.map(|axis| lanes(&|p| (p.center - tree_center).dot(axis))),
+            radius: lanes(&|p| grown(p.radius, p)),
+            half_size: axes.map(|axis| lanes(&|p| grown(p.half_size.dot(axis), p))),
             flux: Eight(std::array::from_fn(|i| places.get(i).map_or(0.0, |p| p.flux as f32))),
             error_share: errors(&|e| e.share),
             largest_error: errors(&|e| e.largest),
@@ -220,6 +222,7 @@ impl BuiltOctet {
 #[derive(Debug, Clone, Copy)]
 struct Place {
     center: DVec3,
+    half_size: DVec3,
     radius: f64,
     flux: f64,
 }
@@ -231,6 +234,7 @@ impl Place {
         let center = super::blocks::box_center(positions());
         let radius = positions().map(|p| p.distance(center)).fold(0.0, f64::max);
         let flux = samples().map(|sample| f64::from(sample.flux)).sum();
-        Place { center, radius, flux }
+        let half_size = positions().map(|p| (p - center).abs()).fold(DVec3::ZERO, DVec3::max);
+        Place { center, half_size, radius, flux }
     }
 }

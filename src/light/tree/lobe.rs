@@ -9,7 +9,7 @@
 //!
 //! and y is at most tan² of the angle from the axis, which it is on the circle through the axis.
 
-use super::eight::{Eight, Vectors, dot, dot_one, turned, vectors};
+use super::eight::{Eight, Vectors, dot, dot_one, vectors};
 use super::node::{Cloud, NodeQuery};
 use crate::light::sum::power::Power;
 
@@ -41,12 +41,14 @@ pub(super) struct LobeSums {
     pub at_mean: Eight,
     /// |∇G| times the distance.
     pub slope: Eight,
+    /// Root mean square of ∇G·(s − c̄).
+    pub swing: Eight,
 }
 
 #[inline(always)]
 pub(super) fn sum_lobes(cloud: &Cloud, query: &NodeQuery) -> LobeSums {
     let zero = Eight::ZERO;
-    let mut sums = LobeSums { value: zero, error: zero, at_mean: zero, slope: zero };
+    let mut sums = LobeSums { value: zero, error: zero, at_mean: zero, slope: zero, swing: zero };
     let horizon = cloud.cos_normal(query).abs();
     let straddles = |then: Eight, otherwise: Eight| horizon.below(cloud.chord, then, otherwise);
     if query.diffuse.weight > 0.0 {
@@ -76,19 +78,20 @@ fn add_lobe(
     let at_mean = Eight::cosine_power((angle.cos, angle.sine2), n);
     let inward = cloud.chord * INWARD;
     let inner = Eight::cosine_power_bound(angle.nearer(inward), n);
-    let far_tan2 = angle.farther_tan2(inward);
     let third = at_mean * third_order(cloud, angle.farther_tan2(Eight::ZERO), n, k);
-    let fourth = inner * fourth_order(cloud, far_tan2, n, k);
+    let fourth = inner * fourth_order(cloud, &angle, n, k);
     let smooth = (third + fourth).smaller(largest);
     let smooth = largest.below(at_mean * STEEPEST, smooth, largest);
     let smooth = (cloud.chord * 1.5).at_least(HORIZON).below(angle.cos, smooth, largest);
     let error = straddles(largest, smooth);
-    let second = second_order(cloud, &angle, n, k);
+    let (swing2, second) = first_orders(cloud, &angle, n, k);
     let value = (at_mean * (second + 1.0)).at_least(0.0).smaller(largest);
     sums.value = sums.value + value * lobe.weight;
     sums.error = sums.error + error * lobe.weight;
     sums.at_mean = sums.at_mean + at_mean * lobe.weight;
-    sums.slope = sums.slope + at_mean * (far_tan2.rough_sqrt() * n + k) * lobe.weight;
+    let tan = angle.farther_tan2(inward).rough_sqrt();
+    sums.slope = sums.slope + at_mean * (tan * n + k) * lobe.weight;
+    sums.swing = sums.swing + at_mean * swing2.rough_sqrt() * lobe.weight;
 }
 
 /// Between the mean place and a lobe's axis.
@@ -128,19 +131,21 @@ impl Angle {
     }
 }
 
-/// ½ ∇∇G : C over G for G = cosⁿ r^−k.
+/// Mean of (∇G·(s − c̄))² over G², and ½ ∇∇G : C over G, for G = cosⁿ r^−k.
 #[inline(always)]
-fn second_order(cloud: &Cloud, angle: &Angle, n: f32, k: f32) -> Eight {
+fn first_orders(cloud: &Cloud, angle: &Angle, n: f32, k: f32) -> (Eight, Eight) {
     let inverse_cos = angle.cos.at_least(HORIZON).recip();
-    let spread_across = dot(&angle.across, &turned(&cloud.covariance, &angle.across)).at_least(0.0);
+    let spread_across = cloud.spread_along(&angle.across);
     let mixed = dot(&angle.across, &cloud.along);
-    let radial = dot(&cloud.direction, &cloud.along).at_least(0.0);
-    let curvature = inverse_cos * inverse_cos * spread_across * (n * (n - 1.0));
-    let turning = inverse_cos * mixed * (2.0 * n * (1.0 + k));
+    let radial = cloud.radial();
+    let tilt = inverse_cos * inverse_cos * spread_across;
+    let turning = inverse_cos * mixed * (2.0 * n);
     let flattening = (cloud.trace - radial) * n;
     let falloff = radial * (k * (k + 2.0)) - cloud.trace * k;
-    let sum = curvature - turning - flattening + falloff;
-    sum * cloud.inverse_distance * cloud.inverse_distance * 0.5
+    let second = tilt * (n * (n - 1.0)) - turning * (1.0 + k) - flattening + falloff;
+    let first = tilt * (n * n) - turning * k + radial * (k * k);
+    let inverse = cloud.inverse_distance * cloud.inverse_distance;
+    (first.at_least(0.0) * inverse, second * inverse * 0.5)
 }
 
 /// Largest first three derivatives of cosⁿ by direction, over cosⁿ; exact ones for y up to `tan2`.
@@ -154,17 +159,6 @@ fn lower_derivatives(tan2: Eight, n: f32) -> (Eight, Eight, Eight) {
     (tan * n, (tan2 * (n - 1.0) + 1.0) * n, within.larger(at_end))
 }
 
-/// Largest fourth derivative, likewise.
-#[inline(always)]
-fn fourth_derivative(tan2: Eight, n: f32) -> Eight {
-    let a = n * (n - 1.0) * (n - 2.0) * (n - 3.0);
-    let b = n * (n - 1.0) * (6.0 * n - 8.0);
-    let c = n * (3.0 * n - 2.0);
-    let turning_point = if a > 0.0 { b / (2.0 * a) } else { f32::MAX };
-    let at = |y: Eight| ((y * a + -b) * y + c).abs();
-    at(tan2).larger(at(tan2.at_most(turning_point))).at_least(c)
-}
-
 /// Of G relative to cosⁿ, for the norm of the third moment.
 #[inline(always)]
 fn third_order(cloud: &Cloud, tan2: Eight, n: f32, k: f32) -> Eight {
@@ -175,19 +169,32 @@ fn third_order(cloud: &Cloud, tan2: Eight, n: f32, k: f32) -> Eight {
     derivative * cloud.skewness * (inverse * inverse * inverse) * (1.0 / 6.0)
 }
 
-/// Bound relative to the largest cosⁿ on the way.
+/// Σ w of the fourth derivative along every s − c̄, relative to the largest cosⁿ on the way.
+///
+/// With p the part of s − c̄ toward the axis, and q all of it across the line of sight, over the
+/// distance: a y² p⁴ − b y p² q² + c q⁴, where √y |p| is at most what it is at c̄ and what the way
+/// inward adds.
 #[inline(always)]
-fn fourth_order(cloud: &Cloud, far_tan2: Eight, n: f32, k: f32) -> Eight {
-    let (first, second, third) = lower_derivatives(far_tan2, n);
+fn fourth_order(cloud: &Cloud, angle: &Angle, n: f32, k: f32) -> Eight {
+    let inward = cloud.chord * INWARD;
+    let (first, second, third) = lower_derivatives(angle.farther_tan2(inward), n);
     let falling = third * (4.0 * k)
         + second * (6.0 * k * (k + 1.0))
         + first * (4.0 * k * (k + 1.0) * (k + 2.0))
         + k * (k + 1.0) * (k + 2.0) * (k + 3.0);
-    // Only displacements across the line of sight turn it; those along it enter with the sine.
-    let radial = dot(&cloud.direction, &cloud.along).at_least(0.0).smaller(cloud.trace);
-    let turning = cloud.trace - radial + radial * far_tan2.at_most(1.0).rough_sqrt();
+    let inverse = cloud.inverse_distance;
+    let spread = (cloud.trace - cloud.radial()) * inverse * inverse;
+    let inverse_cos = (angle.cos - inward).at_least(0.5 * HORIZON).recip();
+    let reach = (cloud.reach_along(&angle.across) * inverse + inward * cloud.cone) * inverse_cos;
+    let width = (cloud.spread_along(&angle.across).rough_sqrt() * inverse
+        + inward * spread.rough_sqrt())
+        * inverse_cos;
+    let (reach2, width2, cone2) = (reach * reach, width * width, cloud.cone * cloud.cone);
+    let a = (n * (n - 1.0) * (n - 2.0) * (n - 3.0)).abs();
+    let b = (n * (n - 1.0) * (6.0 * n - 8.0)).abs();
+    let c = n * (3.0 * n - 2.0);
+    let turning = (reach2 * width2 * a + cone2 * spread * c).larger(width2 * cone2 * b);
     let gap = cloud.nearness * cloud.nearness;
-    let size = cloud.cone * cloud.inverse_distance;
-    let sum = fourth_derivative(far_tan2, n) * turning + falling * cloud.trace;
-    sum * (size * size) * (gap * gap) * (1.0 / 24.0)
+    let falling = falling * cloud.trace * (inverse * inverse) * cone2;
+    (turning + falling) * (gap * gap) * (1.0 / 24.0)
 }

@@ -10,7 +10,7 @@
 //! 3 with the inverse square. Left out, and so estimated:
 //! - the third order of G: its derivative at c̄ times the norm of the third central moment;
 //! - the fourth: the largest derivative over the cone in which the hit sees the node, times the
-//!   largest |s − c̄|² times the trace of C;
+//!   covariance times the square of what the node's box reaches that way;
 //! - the correlation of τ with ∇G·(s − c̄), and the samples that τ turns toward or away;
 //! - interpolation: E is convex on the octahedron's faces, so it lies between the blended tangents
 //!   and the interpolated values. Their mean is used; how far it may be off was measured while
@@ -90,13 +90,13 @@ fn kernel(octet: &Octet, (grid, table): (Grid, &[Channels]), query: &NodeQuery) 
     let inverse_distance = dot(&to_center, &to_center).inverse_sqrt();
     let outward = scaled(&to_center, -inverse_distance);
     let emission = Emission::look_up(&outward, octet, (grid, table));
-    let cloud = Cloud::new(&to_center, octet.radius, &emission);
+    let cloud = Cloud::new(&to_center, octet, &emission);
     let lobes = sum_lobes(&cloud, query);
 
     let falloff = falloff(&cloud, inverse_distance, query.inverse_square);
     let parallax = emission.parallax * inverse_distance;
     let value = ((emission.middle - parallax) * lobes.value * falloff).at_least(0.0);
-    let error = falloff * total_error(&emission, &cloud, &lobes, (octet, inverse_distance, grid));
+    let error = falloff * total_error(&emission, &lobes, (octet, inverse_distance, grid));
 
     // f32 rounds the hit's and the node's places by their size.
     let size = dot(&octet.center, &octet.center).rough_sqrt();
@@ -212,6 +212,9 @@ pub(super) struct Cloud {
     pub nearness: Eight,
     /// Norm of the third central moment, over Σ w.
     pub skewness: Eight,
+    /// From the node's center to the mean place, and half its box.
+    mean: Vectors,
+    half_size: Vectors,
     pub covariance: [Eight; 6],
     /// C·direction.
     pub along: Vectors,
@@ -220,12 +223,12 @@ pub(super) struct Cloud {
 
 impl Cloud {
     #[inline(always)]
-    fn new(to_center: &Vectors, radius: Eight, emission: &Emission) -> Cloud {
+    fn new(to_center: &Vectors, octet: &Octet, emission: &Emission) -> Cloud {
         let mean = &emission.mean;
         let to_mean = vectors(|axis| to_center[axis] + mean[axis]);
         let inverse_distance = dot(&to_mean, &to_mean).inverse_sqrt();
         let direction = scaled(&to_mean, inverse_distance);
-        let reach = radius + dot(mean, mean).rough_sqrt().smaller(radius);
+        let reach = octet.radius + dot(mean, mean).rough_sqrt().smaller(octet.radius);
         let cone = reach * inverse_distance;
         let nearness = (cone * -INWARD + 1.0).at_least(0.5).recip();
         let along = turned(&emission.covariance, &direction);
@@ -237,10 +240,32 @@ impl Cloud {
             chord: cone * 1.03, // 2 sin(asin(x)/2) < 1.03 x up to x = 0.45
             nearness,
             skewness: emission.skewness * emission.total.at_least(f32::MIN_POSITIVE).recip(),
+            mean: *mean,
+            half_size: octet.half_size,
             covariance: emission.covariance,
             along,
             trace: trace.at_least(0.0),
         }
+    }
+
+    /// Mean of ((s − c̄)·v)².
+    #[inline(always)]
+    pub fn spread_along(&self, v: &Vectors) -> Eight {
+        dot(v, &turned(&self.covariance, v)).at_least(0.0)
+    }
+
+    /// The same along the line of sight.
+    #[inline(always)]
+    pub fn radial(&self) -> Eight {
+        dot(&self.direction, &self.along).at_least(0.0).smaller(self.trace)
+    }
+
+    /// Largest |(s − c̄)·v|.
+    #[inline(always)]
+    pub fn reach_along(&self, v: &Vectors) -> Eight {
+        let size = &self.half_size;
+        let of_box = v[0].abs() * size[0] + v[1].abs() * size[1] + v[2].abs() * size[2];
+        of_box + dot(v, &self.mean).abs()
     }
 
     #[inline(always)]
@@ -259,19 +284,16 @@ fn falloff(cloud: &Cloud, inverse_distance: Eight, inverse_square: bool) -> Eigh
 #[inline(always)]
 fn total_error(
     emission: &Emission,
-    cloud: &Cloud,
     lobes: &LobeSums,
     (octet, inverse_distance, grid): (&Octet, Eight, Grid),
 ) -> Eight {
-    let width = cloud.trace.rough_sqrt() * cloud.inverse_distance;
-    let slope = lobes.slope * width;
     // Σ Φ τ²/R², and the root mean square of τ/R times the flux.
     let parallax2 = emission.parallax2.at_least(0.0) * inverse_distance * inverse_distance;
     let parallax = (parallax2 * octet.flux).rough_sqrt();
     let correlated = (parallax2 * emission.total).rough_sqrt();
     let spacing = 4.0 / grid.cells as f32; // rad, the longest edges
     emission.total * lobes.error
-        + emission.uncertainty * (lobes.at_mean + slope)
-        + correlated * slope * 1.5
-        + (parallax2 * 3.0 + parallax * (0.25 * spacing)) * (lobes.at_mean + slope)
+        + emission.uncertainty * (lobes.at_mean + lobes.swing)
+        + correlated * lobes.swing * 1.5
+        + (parallax2 * 3.0 + parallax * (0.25 * spacing)) * (lobes.at_mean + lobes.swing)
 }
