@@ -144,41 +144,50 @@ impl Kernel for Avx2 {
         }
     }
 
-    /// Corners in lanes; each operation is one of [`Probe::cross_lane`].
     #[inline(always)]
     fn cross(packet: &Packet, lane: usize, probe: &Probe) -> Option<Crossing> {
-        let [kx, ky, kz] = probe.axes;
         // SAFETY: as above.
-        unsafe {
-            let z = corners(packet, lane, kz);
-            let depth = _mm256_sub_pd(z, _mm256_set1_pd(probe.origin[kz]));
-            let x = _mm256_sub_pd(corners(packet, lane, kx), _mm256_set1_pd(probe.origin[kx]));
-            let y = _mm256_sub_pd(corners(packet, lane, ky), _mm256_set1_pd(probe.origin[ky]));
-            let x = _mm256_sub_pd(x, _mm256_mul_pd(_mm256_set1_pd(probe.shear[0]), depth));
-            let y = _mm256_sub_pd(y, _mm256_mul_pd(_mm256_set1_pd(probe.shear[1]), depth));
-            let z = _mm256_mul_pd(_mm256_set1_pd(probe.shear[2]), depth);
-            // Lanes: edge(c, b), edge(a, c), edge(b, a).
-            let (px, py) = (turn::<CAB>(x), turn::<CAB>(y));
-            let (qx, qy) = (turn::<BCA>(x), turn::<BCA>(y));
-            let (left, right) = (_mm256_mul_pd(px, qy), _mm256_mul_pd(py, qx));
-            let edges = _mm256_sub_pd(left, right);
-            let minus = _mm256_set1_pd(-0.0);
-            let sum = _mm256_add_pd(_mm256_andnot_pd(minus, left), _mm256_andnot_pd(minus, right));
-            let least = _mm256_mul_pd(_mm256_set1_pd(CANCELLATION), sum);
-            let is_cancelled = _mm256_cmp_pd::<_CMP_LE_OQ>(_mm256_andnot_pd(minus, edges), least);
-            if _mm256_movemask_pd(is_cancelled) & 7 != 0 {
-                return cross_cancelled(packet, lane, probe);
-            }
-            let zero = _mm256_setzero_pd();
-            let negative = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(edges, zero)) & 7;
-            let positive = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(edges, zero)) & 7;
-            if negative != 0 && positive != 0 {
-                return None;
-            }
-            let [wa, wb, wc] = first_three(edges);
-            let [ta, tb, tc] = first_three(_mm256_mul_pd(edges, z));
-            probe::crossing([wa, wb, wc], ta + tb + tc)
+        unsafe { cross(packet, lane, probe) }
+    }
+}
+
+/// [`Probe::cross_lane`] with the corners in lanes: each operation is one of that.
+///
+/// Not part of the loops that call it, whose registers are all in use.
+#[inline(never)]
+#[target_feature(enable = "avx2,fma")]
+fn cross(packet: &Packet, lane: usize, probe: &Probe) -> Option<Crossing> {
+    let [kx, ky, kz] = probe.axes;
+    // SAFETY: this function is compiled for AVX2.
+    unsafe {
+        let z = corners(packet, lane, kz);
+        let depth = _mm256_sub_pd(z, _mm256_set1_pd(probe.origin[kz]));
+        let x = _mm256_sub_pd(corners(packet, lane, kx), _mm256_set1_pd(probe.origin[kx]));
+        let y = _mm256_sub_pd(corners(packet, lane, ky), _mm256_set1_pd(probe.origin[ky]));
+        let x = _mm256_sub_pd(x, _mm256_mul_pd(_mm256_set1_pd(probe.shear[0]), depth));
+        let y = _mm256_sub_pd(y, _mm256_mul_pd(_mm256_set1_pd(probe.shear[1]), depth));
+        let z = _mm256_mul_pd(_mm256_set1_pd(probe.shear[2]), depth);
+        // Lanes: edge(c, b), edge(a, c), edge(b, a).
+        let (px, py) = (turn::<CAB>(x), turn::<CAB>(y));
+        let (qx, qy) = (turn::<BCA>(x), turn::<BCA>(y));
+        let (left, right) = (_mm256_mul_pd(px, qy), _mm256_mul_pd(py, qx));
+        let edges = _mm256_sub_pd(left, right);
+        let minus = _mm256_set1_pd(-0.0);
+        let sum = _mm256_add_pd(_mm256_andnot_pd(minus, left), _mm256_andnot_pd(minus, right));
+        let least = _mm256_mul_pd(_mm256_set1_pd(CANCELLATION), sum);
+        let is_cancelled = _mm256_cmp_pd::<_CMP_LE_OQ>(_mm256_andnot_pd(minus, edges), least);
+        if _mm256_movemask_pd(is_cancelled) & 7 != 0 {
+            return cross_cancelled(packet, lane, probe);
         }
+        let zero = _mm256_setzero_pd();
+        let negative = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_LT_OQ>(edges, zero)) & 7;
+        let positive = _mm256_movemask_pd(_mm256_cmp_pd::<_CMP_GT_OQ>(edges, zero)) & 7;
+        if negative != 0 && positive != 0 {
+            return None;
+        }
+        let [wa, wb, wc] = first_three(edges);
+        let [ta, tb, tc] = first_three(_mm256_mul_pd(edges, z));
+        probe::crossing([wa, wb, wc], ta + tb + tc)
     }
 }
 
