@@ -19,8 +19,8 @@ use lampyris::geometry::{Bvh, DVec3, Hit, Mesh, Ray, Simd, TriangleId};
 
 const SIZES: [usize; 3] = [35_000, 350_000, 3_500_000];
 const RAYS: usize = 1 << 17;
-const BLOCK: usize = 1 << 13;
-const PASSES: usize = 7;
+const BLOCK: usize = 1 << 11;
+const PASSES: usize = 9;
 /// Where Embree's mirrored rays begin: it has no name for the triangle that they leave.
 const NEAR_MM: f32 = 1e-2;
 
