@@ -1,6 +1,7 @@
 //! Which of the compiled kernels the processor can run.
 
 /// Instruction sets that kernels are compiled for; all give the same bits.
+#[cfg(target_arch = "x86_64")]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Isa {
     Plain,
