@@ -1,17 +1,13 @@
 //! `lampyris.display.fit` and `display:verify`: a display from measurements, and how good it is.
 
-use std::sync::Arc;
-
 use mlua::{Lua, Table, Value};
 
 use super::display::{LuaDisplay, black, matrix};
 use super::host;
 use super::options::{self, Arguments, Options, Range};
 use crate::color::Xyz;
-use crate::display::{self, Display, DisplayMeasurement, Light, Patch, RampPatch, Verification};
+use crate::display::{self, CHANNELS, Display, DisplayMeasurement, Light, Patch, RampPatch, Verification};
 use crate::error::Error;
-
-const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// `display.fit { red =, green =, blue = or file =, matrix =, black =, bits = }`.
 pub(super) fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaDisplay> {
@@ -32,7 +28,7 @@ pub(super) fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaDispla
         black: black(&options)?,
         bits,
     };
-    Ok(LuaDisplay(Arc::new(display::fit_display(&measurement)?.display)))
+    Ok(display::fit_display(&measurement)?.into())
 }
 
 /// `{ {d, luminance}, … }` or `{ {d, X, Y, Z}, … }`.

@@ -225,7 +225,7 @@ pub(super) fn save_png(
     options: &Options,
 ) -> mlua::Result<Shown> {
     let display = options.handle::<LuaDisplay>("display", "a display")?;
-    let display = display.map_or_else(Display::srgb, |d| Arc::unwrap_or_clone(d.0));
+    let display = display.map_or_else(Display::srgb, |d| Arc::unwrap_or_clone(d.display));
     let shown = present_seen(image, view, &display, options)?;
     let mut raster = output::display_raster(&shown.image, &display)?;
     raster.metadata = image.metadata.clone();

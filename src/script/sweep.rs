@@ -89,7 +89,7 @@ impl Plan {
             host,
             quality: quality(quality_options)?,
             png,
-            display: display.map_or_else(Display::srgb, |display| Display::clone(&display.0)),
+            display: display.map_or_else(Display::srgb, |handle| Display::clone(&handle.display)),
             regions: regions(options.value("regions")?)?,
             digests: Digests::default(),
             gamut: GamutReport::default(),
@@ -156,7 +156,7 @@ impl Plan {
             // What a function does is in the script and in what it reads.
             Value::Function(_) => Ok(format!("{:?}", self.source()?)),
             Value::UserData(data) => match data.borrow::<LuaDisplay>() {
-                Ok(display) => Ok(format!("{:?}", display.0)),
+                Ok(handle) => Ok(format!("{:?}", handle.display)),
                 Err(_) => Ok(options::describe(value)),
             },
             other => Ok(options::describe(other)),
@@ -209,7 +209,7 @@ impl Plan {
         let xyz = image.to_xyz();
         let scale = LuminanceScale::of(&xyz);
         let luminance = sweep::luminance_name(name);
-        output::write_png(&folder.join(&luminance), &sweep::luminance_raster(&xyz, scale))?;
+        output::write_png(&folder.join(&luminance), &sweep::luminance_raster(&xyz, scale)?)?;
         let mut details = self.details(item, &image, &stats)?;
         details.insert("exposure".to_owned(), json!(shown.exposure_factor));
         details.insert("luminance".to_owned(), json!({ "top": scale.top, "max": scale.max }));
