@@ -26,7 +26,8 @@ impl Grid {
             .take_while(|&gamma| gamma <= 180.0)
             .collect();
         if gammas.len() < 2 {
-            let problem = "EULUMDAT goes around the axis: h and v have to reach from -1° to 1° at least";
+            let problem =
+                "EULUMDAT goes around the axis: h and v have to reach from -1° to 1° at least";
             return Err(Error::inconsistent("photometry.grid", problem));
         }
         let per_klm = |value: f64| value * 1000.0 / self.flux_lm;

@@ -108,7 +108,11 @@ struct Area {
 impl Area {
     /// The least of `value` at the angles of the grids in the area and on its border: between
     /// them intensity is linear.
-    fn weakest(&self, grids: &[&Grid], value: impl Fn(Direction) -> Option<f64>) -> Result<Weakest> {
+    fn weakest(
+        &self,
+        grids: &[&Grid],
+        value: impl Fn(Direction) -> Option<f64>,
+    ) -> Result<Weakest> {
         let inside = |[from, to]: [f64; 2], angles: fn(&Grid) -> &[f64]| {
             let all = grids.iter().flat_map(move |grid| angles(grid)).copied();
             all.filter(move |angle| (from..=to).contains(angle)).chain([from, to])
@@ -179,9 +183,8 @@ mod tests {
     fn ratios_are_the_least_of_both_grids() {
         let ratio = LampRules::un_r148("S1").unwrap().ratio.unwrap();
         let stop = grid(&[-20.0, 20.0], &[-10.0, 10.0], |_, _| 60.0);
-        let position = grid(&[-20.0, 4.0, 20.0], &[-10.0, 10.0], |h, _| {
-            if h == 4.0 { 20.0 } else { 4.0 }
-        });
+        let position =
+            grid(&[-20.0, 4.0, 20.0], &[-10.0, 10.0], |h, _| if h == 4.0 { 20.0 } else { 4.0 });
         let found = ratio.weakest(&stop, &position).unwrap();
         assert_eq!((found.direction.h_deg, found.value), (4.0, 3.0));
         let dark = grid(&[-20.0, 20.0], &[-10.0, 10.0], |_, _| 0.0);

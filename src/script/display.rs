@@ -131,7 +131,8 @@ fn channels(lua: &Lua, display: &LuaDisplay) -> mlua::Result<Table> {
 impl UserData for LuaDisplay {
     fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
         fields.add_field_method_get("gain", |_, this| Ok(this.display.curves().map(|c| c.gain)));
-        fields.add_field_method_get("offset", |_, this| Ok(this.display.curves().map(|c| c.offset)));
+        fields
+            .add_field_method_get("offset", |_, this| Ok(this.display.curves().map(|c| c.offset)));
         fields.add_field_method_get("gamma", |_, this| Ok(this.display.curves().map(|c| c.gamma)));
         fields.add_field_method_get("bits", |_, this| Ok(this.display.bits()));
         fields.add_field_method_get("channels", channels);

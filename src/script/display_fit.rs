@@ -6,7 +6,9 @@ use super::display::{LuaDisplay, black, matrix};
 use super::host;
 use super::options::{self, Arguments, Options, Range};
 use crate::color::Xyz;
-use crate::display::{self, CHANNELS, Display, DisplayMeasurement, Light, Patch, RampPatch, Verification};
+use crate::display::{
+    self, CHANNELS, Display, DisplayMeasurement, Light, Patch, RampPatch, Verification,
+};
 use crate::error::Error;
 
 /// `display.fit { red =, green =, blue = or file =, matrix =, black =, bits = }`.

@@ -19,6 +19,11 @@ pub struct ScriptFault {
 }
 
 impl ScriptFault {
+    /// Ctrl-C.
+    pub fn interrupted() -> Self {
+        Self { message: Error::Interrupted.to_string(), interrupted: true }
+    }
+
     /// The message as standard error's reader wants it.
     pub fn report(&self, verbosity: Verbosity) -> String {
         match verbosity {

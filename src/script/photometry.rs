@@ -157,7 +157,8 @@ impl Rules {
         // Files of one's own hold points only.
         let known = file.map_or_else(|| LampRules::un_r148(&lamp), |_| None);
         let needs = |key: &str, what: &str| {
-            let problem = format!("\"{key}\": UN R148 as it is known here has no {what} for {lamp}");
+            let problem =
+                format!("\"{key}\": UN R148 as it is known here has no {what} for {lamp}");
             Error::inconsistent(CHECK, problem)
         };
         let limits = if options.flag("marked_d", false)? {

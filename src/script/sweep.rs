@@ -121,6 +121,7 @@ impl Plan {
             if views.count().is_none() {
                 progress.more_pixels(item.view.pixels());
             }
+            folder.remove_unfinished_of(&item.name)?;
             progress.begin_view(index, views.count());
             let start = Instant::now();
             let entry = self.render(folder.path(), index, &item, key, &progress)?;
@@ -135,6 +136,7 @@ impl Plan {
     fn key(&mut self, item: &Item) -> mlua::Result<Digest> {
         let mut hasher = Hasher::new();
         hasher.text(&sweep::program());
+        hasher.text(sweep::executable().map_or("", Digest::as_str));
         hasher.text(&self.script_name());
         hasher.text(item.scene.fingerprint().as_str());
         hasher.text(&format!("{:?} {:?} {:?}", item.view, self.quality, self.regions));
@@ -174,6 +176,7 @@ impl Plan {
         let seeds = self.host.seeds();
         Ok(sweep::Source {
             program: sweep::program(),
+            executable: sweep::executable().cloned(),
             script: Some(self.digests.of(&self.script_name(), &script)?),
             arguments: self.host.settings.arguments.clone(),
             inputs: inputs
