@@ -439,7 +439,7 @@ function Image:intensity() end
 ---@class FalseColorOptions
 ---@field log? boolean  default true
 ---@field range? number[]  {from, to}; default: what the image needs
----@field label? string  of the scale bar; default luminance in cd/m²
+---@field label? string  of the scale bar; default luminance, in cd/m² or relative as the scene is
 
 ---A figure of the luminance in false colors, with a scale bar.
 ---@param options? FalseColorOptions
@@ -480,6 +480,7 @@ lampyris.display = {}
 ---@field gamma number[]
 ---@field bits integer
 ---@field channels table<"red"|"green"|"blue", DisplayChannel>
+---@field plot Figure tone curves, and the measured points of a fitted display
 local Display = {}
 
 ---@class DisplayChannel

@@ -28,7 +28,7 @@ impl Grid {
         if gammas.len() < 2 {
             let problem =
                 "EULUMDAT goes around the axis: h and v have to reach from -1° to 1° at least";
-            return Err(Error::inconsistent("photometry.grid", problem));
+            return Err(Error::inconsistent("grid:save", problem));
         }
         let per_klm = |value: f64| value * 1000.0 / self.flux_lm;
         let mut lines: Vec<String> = [

@@ -8,7 +8,7 @@ use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Va
 use super::options::{self, Arguments, Options, Range};
 use super::{display_fit, fault, host};
 use crate::color::Xyz;
-use crate::display::{CHANNELS, ChannelFit, Curve, Display, DisplayFit, DisplayParameters};
+use crate::display::{CHANNELS, ChannelFit, Curve, Display, DisplayParameters};
 use crate::error::Error;
 use crate::output;
 
@@ -17,23 +17,25 @@ use crate::output;
 pub struct LuaDisplay {
     pub display: Arc<Display>,
     /// Of a display that was fitted.
-    fits: Option<[ChannelFit; 3]>,
+    pub fitted: Option<Arc<Fitted>>,
+}
+
+/// How a display was fitted, and to what.
+#[derive(Debug)]
+pub struct Fitted {
+    pub channels: [ChannelFit; 3],
+    /// Digits, and light relative to full, black subtracted.
+    pub ramps: [Vec<[f64; 2]>; 3],
 }
 
 impl From<Display> for LuaDisplay {
     fn from(display: Display) -> Self {
-        Self { display: Arc::new(display), fits: None }
+        Self { display: Arc::new(display), fitted: None }
     }
 }
 
-impl From<DisplayFit> for LuaDisplay {
-    fn from(fit: DisplayFit) -> Self {
-        Self { display: Arc::new(fit.display), fits: Some(fit.channels) }
-    }
-}
-
-const NAMES: [&str; 9] =
-    ["bits", "channels", "digital", "gain", "gamma", "offset", "save", "verify", "xyz"];
+const NAMES: [&str; 10] =
+    ["bits", "channels", "digital", "gain", "gamma", "offset", "plot", "save", "verify", "xyz"];
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     let table = lua.create_table()?;
@@ -118,10 +120,11 @@ fn channels(lua: &Lua, display: &LuaDisplay) -> mlua::Result<Table> {
         channel.set("gain", curve.gain)?;
         channel.set("offset", curve.offset)?;
         channel.set("gamma", curve.gamma)?;
-        if let Some(fits) = &display.fits {
-            channel.set("gain_error", fits[c].gain_error)?;
-            channel.set("gamma_error", fits[c].gamma_error)?;
-            channel.set("rms", fits[c].rms)?;
+        if let Some(fitted) = &display.fitted {
+            let fit = &fitted.channels[c];
+            channel.set("gain_error", fit.gain_error)?;
+            channel.set("gamma_error", fit.gamma_error)?;
+            channel.set("rms", fit.rms)?;
         }
         table.set(name, channel)?;
     }
@@ -136,6 +139,7 @@ impl UserData for LuaDisplay {
         fields.add_field_method_get("gamma", |_, this| Ok(this.display.curves().map(|c| c.gamma)));
         fields.add_field_method_get("bits", |_, this| Ok(this.display.bits()));
         fields.add_field_method_get("channels", channels);
+        fields.add_field_method_get("plot", |_, this| Ok(display_fit::plot(this)));
     }
 
     fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {

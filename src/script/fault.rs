@@ -93,7 +93,8 @@ pub(super) fn from_lua(error: mlua::Error, host: &Host) -> ScriptFault {
     ScriptFault { interrupted: host.is_interrupted(), message }
 }
 
-fn message(error: &mlua::Error) -> String {
+/// Without the stack traceback.
+pub(super) fn message(error: &mlua::Error) -> String {
     match error {
         mlua::Error::CallbackError { cause, traceback } => match method_without_self(cause) {
             Some(problem) => match traced_line(traceback) {
