@@ -2,24 +2,22 @@
 
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
+use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods};
 
 use super::options::{self, Arguments, Options, Range};
 use super::scene::{LuaScene, QUALITY_KEYS, quality};
 use super::view::MAX_SIDE;
-use super::{fault, host, image};
+use super::{fault, grid_check, host, image};
 use crate::error::Error;
 use crate::geometry::DVec3;
 use crate::output;
-use crate::photometry::{
-    self, Direction, Grid, LampRules, Limits, PointCheck, Side, StopRatio, VisibilityField, Weakest,
-};
+use crate::photometry::{self, Direction, Grid};
 use crate::render;
 use crate::view::View;
 
 /// Handle of a measured grid.
 #[derive(Debug, Clone)]
-pub struct LuaGrid(Arc<Grid>);
+pub struct LuaGrid(pub Arc<Grid>);
 
 const NAMES: [&str; 6] = ["at", "check", "flux", "h", "save", "v"];
 const KEYS: [&str; 9] =
@@ -83,38 +81,6 @@ fn angles(options: &Options, key: &str, range: Range, default: &[f64]) -> mlua::
 }
 
 impl LuaGrid {
-    /// `"S1"` of UN R148, or `{lamp =, file =, marked_d =, side =, position =}`.
-    fn check(&self, lua: &Lua, value: Value) -> mlua::Result<Table> {
-        let value = match value {
-            Value::Table(_) => value,
-            name => {
-                let options = lua.create_table()?;
-                options.set("lamp", options::text(CHECK, "lamp", &name)?)?;
-                Value::Table(options)
-            }
-        };
-        let options = Options::new(CHECK, value, &CHECK_KEYS)?;
-        let rules = Rules::new(lua, &options)?;
-        let table = lua.create_table()?;
-        let checks = rules.limits.check(&self.0);
-        let mut passes = checks.iter().all(|check| check.passes);
-        table.set("color", rules.limits.color.name())?;
-        let rows = checks.iter().map(|check| point(lua, check));
-        table.set("points", rows.collect::<mlua::Result<Vec<_>>>()?)?;
-        if let Some((field, side)) = rules.field {
-            let weakest = field.weakest(&self.0, side)?;
-            passes &= weakest.value >= field.min_cd;
-            table.set("field", weakest_table(lua, "intensity", weakest, field.min_cd)?)?;
-        }
-        if let Some((ratio, position)) = &rules.ratio {
-            let weakest = ratio.weakest(&self.0, &position.0)?;
-            passes &= weakest.value >= ratio.min;
-            table.set("ratio", weakest_table(lua, "ratio", weakest, ratio.min)?)?;
-        }
-        table.set("pass", passes)?;
-        Ok(table)
-    }
-
     fn save(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<()> {
         let path = arguments.text("path")?;
         let options = arguments.options(&["name"])?;
@@ -136,77 +102,6 @@ impl LuaGrid {
     }
 }
 
-const CHECK: &str = "grid:check";
-const CHECK_KEYS: [&str; 5] = ["file", "lamp", "marked_d", "position", "side"];
-
-/// What a grid is checked against.
-struct Rules {
-    limits: Limits,
-    field: Option<(VisibilityField, Side)>,
-    ratio: Option<(StopRatio, LuaGrid)>,
-}
-
-impl Rules {
-    fn new(lua: &Lua, options: &Options) -> mlua::Result<Self> {
-        let lamp = options.required_text("lamp", "the name of a lamp in the limits")?;
-        let file = options.text("file")?;
-        let limits = match &file {
-            Some(path) => Limits::from_csv(&host::of(lua)?.input(path)?, &lamp)?,
-            None => Limits::un_r148(&lamp)?,
-        };
-        // Files of one's own hold points only.
-        let known = file.map_or_else(|| LampRules::un_r148(&lamp), |_| None);
-        let needs = |key: &str, what: &str| {
-            let problem =
-                format!("\"{key}\": UN R148 as it is known here has no {what} for {lamp}");
-            Error::inconsistent(CHECK, problem)
-        };
-        let limits = if options.flag("marked_d", false)? {
-            let max_cd = known.and_then(|rules| rules.max_d_cd);
-            limits.with_max(max_cd.ok_or_else(|| needs("marked_d", "maximum"))?)
-        } else {
-            limits
-        };
-        let sides = [("left", Side::Left), ("right", Side::Right)];
-        let field = match options.choice("side", &sides)? {
-            None => None,
-            Some(side) => {
-                Some((known.ok_or_else(|| needs("side", "field of visibility"))?.field, side))
-            }
-        };
-        let ratio = match options.handle::<LuaGrid>("position", "the grid of the position lamp")? {
-            None => None,
-            Some(grid) => {
-                let ratio = known.and_then(|rules| rules.ratio);
-                Some((ratio.ok_or_else(|| needs("position", "ratio"))?, grid))
-            }
-        };
-        Ok(Self { limits, field, ratio })
-    }
-}
-
-fn weakest_table(lua: &Lua, what: &str, weakest: Weakest, min: f64) -> mlua::Result<Table> {
-    let table = lua.create_table()?;
-    table.set("h", weakest.direction.h_deg)?;
-    table.set("v", weakest.direction.v_deg)?;
-    table.set(what, weakest.value)?;
-    table.set("min", min)?;
-    table.set("pass", weakest.value >= min)?;
-    Ok(table)
-}
-
-fn point(lua: &Lua, check: &PointCheck) -> mlua::Result<Table> {
-    let table = lua.create_table()?;
-    table.set("h", check.requirement.direction.h_deg)?;
-    table.set("v", check.requirement.direction.v_deg)?;
-    table.set("min", check.requirement.min_cd)?;
-    table.set("max", check.requirement.max_cd)?;
-    table.set("intensity", check.intensity_cd)?;
-    table.set("color", check.color.map(|color| color.name()))?;
-    table.set("pass", check.passes)?;
-    Ok(table)
-}
-
 impl UserData for LuaGrid {
     fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
         fields.add_field_method_get("h", |_, this| Ok(this.0.h_deg().to_vec()));
@@ -226,7 +121,7 @@ impl UserData for LuaGrid {
             Ok(xyz.y)
         });
         fault::method(methods, "check", |lua, this: &Self, a| {
-            this.check(lua, Arguments::new("grid:check", a, 1)?.value())
+            grid_check::check(lua, &this.0, Arguments::new("grid:check", a, 1)?.value())
         });
         fault::method(methods, "save", |lua, this: &Self, a| {
             this.save(lua, Arguments::new("grid:save", a, 2)?)

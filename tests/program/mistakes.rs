@@ -519,7 +519,7 @@ const FAULTS: &[[&str; 3]] = &[
     [
         "lamp that is never marked D",
         "L.photometry.grid { scene = absolute, h = { 0 }, v = { 0 }, width = 4, height = 4 }:check { lamp = '2b', marked_d = true }",
-        "grid:check: \"marked_d\": UN R148 as it is known here has no maximum for 2b",
+        "grid:check: \"marked_d\": UN R148, as far as it is known here, has no maximum for 2b",
     ],
     [
         "field of visibility beyond the grid",

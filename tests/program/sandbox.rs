@@ -297,6 +297,12 @@ fn the_state_is_closed() {
           assert(type(meta) ~= "table", "a metatable can be had")
           refused(setmetatable, value, {})
         end
+        -- Standard output can be written, not read, moved or closed.
+        local file = io.write(""):write("")
+        for _, name in ipairs { "close", "flush", "lines", "read", "seek", "setvbuf" } do
+          assert(file[name] == nil, name)
+        end
+        assert(getmetatable(file) == false)
         -- What strings share is the script's own: to spoil it spoils nothing of ours.
         getmetatable("").__index = function() return nil end
         getmetatable("").__add = function() return 7 end
