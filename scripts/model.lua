@@ -16,7 +16,7 @@ local model = {}
 
 local width = tonumber(arg[1]) or 640
 local coarseness = tonumber(arg[2]) or 1
-local light_samples = tonumber(arg[3]) or 100000
+local light_samples = tonumber(arg[3]) or 1000000
 
 local displays = { t766 = lampyris.display.eizo_t766, srgb = lampyris.display.srgb }
 
