@@ -9,6 +9,7 @@
 -- A place on the lamp's face is (s, t): s from 0 (left) to 1 (right), t from 0 (bottom) to 1 (top).
 
 local lampyris = require "lampyris"
+local sheet = require "sheet"
 
 local lamp = {}
 
@@ -81,96 +82,56 @@ local relief = {
   plain = function() return 0 end,
 }
 
---- Cells of the optics over a patch of this size: at least one each way.
+--- Columns and rows of the optics' cells over a patch of this size: at least one each way.
 local function cells_of(optics, width, height)
   local function count(length, cell)
     return cell and math.max(1, math.floor(length / cell + 0.5)) or 1
   end
-  return count(width, optics.width), count(height, optics.height)
+  return { columns = count(width, optics.width), rows = count(height, optics.height) }
 end
 
 --- z over the base surface as a function of (u, v) in a patch of this size.
-local function relief_function(optics, columns, rows)
+local function relief_function(optics, cells)
   local shape = relief[optics.kind] or error(("lamp: unknown optics \"%s\""):format(optics.kind), 0)
   local across = optics.depth or 0
   local up = optics.depth_up or across
   return function(u, v)
-    return shape(within_cell(u, columns), within_cell(v, rows), across, up)
+    return shape(within_cell(u, cells.columns), within_cell(v, cells.rows), across, up)
   end
 end
 
 -- Meshing. ---------------------------------------------------------------------------------------
 
---- Mean length of the lines along which u (or v) runs.
-local function mean_length(point, along_v)
-  local lines, steps, sum = 9, 48, 0
-  for line = 0, lines - 1 do
-    local across = (line + 0.5) / lines
-    local px, py, pz
-    for step = 0, steps do
-      local u, v = step / steps, across
-      if along_v then u, v = v, u end
-      local x, y, z = point(u, v)
-      if px then
-        sum = sum + math.sqrt((x - px) ^ 2 + (y - py) ^ 2 + (z - pz) ^ 2)
-      end
-      px, py, pz = x, y, z
-    end
-  end
-  return sum / lines
+local function surface(point, edge, cells, keep)
+  return sheet.mesh(point, sheet.grid(point, edge, cells), keep)
 end
 
---- Cells along u and v so that edges are near `edge`, whole numbers of them in each optics' cell.
--- The mean edge of two right triangles is 1.14 times the side of their square.
-local function divisions(point, edge, columns, rows)
-  local function count(length, cells)
-    return cells * math.max(1, math.floor(length / cells / (edge / 1.14) + 0.5))
-  end
-  return count(mean_length(point, false), columns or 1), count(mean_length(point, true), rows or 1)
+local function swapped(point)
+  return function(u, v) return point(v, u) end
 end
 
-local function surface(point, edge, columns, rows, keep)
-  local nu, nv = divisions(point, edge, columns, rows)
-  return lampyris.mesh.surface { nu = nu, nv = nv, point = point, keep = keep }
-end
-
---- A body between two sheets over the same grid, closed along the rim by shared positions.
+--- A body between two sheets over the same grid, closed along the rim: the sheets and the rim have
+-- the same positions there, and normals of their own.
 -- `front(u, v)` and `back(u, v)` return x, y, z; the outside is the front of every triangle.
-local function closed_body(front, back, nu, nv)
-  local positions, triangles = {}, {}
-  for _, sheet in ipairs { front, back } do
-    for j = 0, nv do
-      for i = 0, nu do
-        positions[#positions + 1] = { sheet(i / nu, j / nv) }
-      end
+local function closed_body(front, back, grid)
+  local across = { nu = grid.nu, nv = 1, columns = 1, rows = 1 }
+  local up = { nu = grid.nv, nv = 1, columns = 1, rows = 1 }
+  --- The rim along an edge, from the back sheet (0) to the front sheet (1).
+  local function rim(edge_of)
+    return function(along, side)
+      return (side == 0 and back or front)(edge_of(along))
     end
   end
-  local sheet_size = (nu + 1) * (nv + 1)
-  local function at(i, j)
-    return j * (nu + 1) + i + 1
-  end
-  local function quad(a, b, c, d)
-    triangles[#triangles + 1] = { a, b, c }
-    triangles[#triangles + 1] = { a, c, d }
-  end
-  for j = 0, nv - 1 do
-    for i = 0, nu - 1 do
-      local a, b, c, d = at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)
-      quad(a, b, c, d)
-      quad(d + sheet_size, c + sheet_size, b + sheet_size, a + sheet_size)
-    end
-  end
-  -- The rim, counter-clockwise as seen from the front.
-  local rim = {}
-  for i = 0, nu - 1 do rim[#rim + 1] = at(i, 0) end
-  for j = 0, nv - 1 do rim[#rim + 1] = at(nu, j) end
-  for i = nu, 1, -1 do rim[#rim + 1] = at(i, nv) end
-  for j = nv, 1, -1 do rim[#rim + 1] = at(0, j) end
-  for k, a in ipairs(rim) do
-    local b = rim[k % #rim + 1]
-    quad(a, a + sheet_size, b + sheet_size, b)
-  end
-  return lampyris.mesh.new { positions = positions, triangles = triangles }
+  local low, high = rim(function(u) return u, 0 end), rim(function(u) return u, 1 end)
+  local left, right = rim(function(v) return 0, v end), rim(function(v) return 1, v end)
+  return lampyris.mesh.merge {
+    sheet.mesh(front, grid),
+    sheet.mesh(swapped(back), sheet.transposed(grid)),
+    sheet.mesh(low, across),
+    sheet.mesh(right, up),
+    sheet.mesh(swapped(high), sheet.transposed(across)),
+    sheet.mesh(swapped(left), sheet.transposed(up)),
+  }
 end
 
 -- The parts. -------------------------------------------------------------------------------------
@@ -193,8 +154,8 @@ end
 
 local function build_lens(o, face)
   local lens = o.lens
-  local columns, rows = cells_of(lens.optics, o.width, o.height)
-  local bump = relief_function(lens.optics, columns, rows)
+  local cells = cells_of(lens.optics, o.width, o.height)
+  local bump = relief_function(lens.optics, cells)
   local outer = outer_face_function(lens)
   local function front(u, v)
     local x, y = face(u, v)
@@ -204,8 +165,7 @@ local function build_lens(o, face)
     local x, y = face(u, v)
     return x, y, outer(x, y) - lens.thickness - bump(u, v)
   end
-  local nu, nv = divisions(front, o.lens_edge * o.coarseness, columns, rows)
-  return closed_body(front, back, nu, nv)
+  return closed_body(front, back, sheet.grid(front, o.lens_edge * o.coarseness, cells))
 end
 
 --- The part of the face that a chamber has, as a function of its own (u, v).
@@ -256,16 +216,16 @@ local function build_chamber(o, face, chamber)
   local place = chamber_face(o, face, chamber)
   local x0, y0 = place(0.5, 0.5)
   local x1, y1 = place(1, 1)
-  local columns, rows = cells_of(optics, 2 * (x1 - x0), 2 * (y1 - y0))
+  local cells = cells_of(optics, 2 * (x1 - x0), 2 * (y1 - y0))
   local shape = base_shapes[chamber.shape or "paraboloid"]
   local function base(u, v)
     local x, y = place(u, v)
     return chamber.back + shape(chamber, x - x0, y - y0)
   end
   if optics.facets then
-    base = faceted(base, columns, rows)
+    base = faceted(base, cells.columns, cells.rows)
   end
-  local bump = relief_function(optics, columns, rows)
+  local bump = relief_function(optics, cells)
   local function reflector(u, v)
     local x, y = place(u, v)
     return x, y, base(u, v) + bump(u, v)
@@ -282,7 +242,7 @@ local function build_chamber(o, face, chamber)
     return (x - x0) ^ 2 + (y - y0) ^ 2 > o.hole ^ 2
   end
   return {
-    reflector = surface(reflector, edge, columns, rows, around_hole),
+    reflector = surface(reflector, edge, cells, around_hole),
     focus = { x0, y0, chamber.back + chamber.focal },
     place = place,
     rim = reflector,
