@@ -4,14 +4,14 @@
 --   lampyris run scripts/fig8.lua [-- tiny]
 
 local lampyris = require "lampyris"
-local lamp = require "lamp"
+local model = require "model"
 local paper = require "paper"
 
 local width = paper.size(160, 24)
 local samples = paper.size(100000, 300)
 local reference_samples = paper.size(1000000, 3000)
 
-local built = paper.build(paper.lamp("model1"), paper.size(1, 5))
+local built = model.build(require "model1", paper.size(1, 5))
 local chamber = built.chambers[2]
 local place = { center = chamber.focus, samples = samples }
 
