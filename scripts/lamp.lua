@@ -100,41 +100,35 @@ local function relief_function(optics, cells)
   end
 end
 
--- Meshing. ---------------------------------------------------------------------------------------
+-- The parts: each is one or more sheets. ----------------------------------------------------------
 
-local function surface(point, edge, cells, keep)
-  return sheet.mesh(point, sheet.grid(point, edge, cells), keep)
-end
-
-local function swapped(point)
-  return function(u, v) return point(v, u) end
-end
-
---- A body between two sheets over the same grid, closed along the rim: the sheets and the rim have
--- the same positions there, and normals of their own.
--- `front(u, v)` and `back(u, v)` return x, y, z; the outside is the front of every triangle.
-local function closed_body(front, back, grid)
-  local across = { nu = grid.nu, nv = 1, columns = 1, rows = 1 }
-  local up = { nu = grid.nv, nv = 1, columns = 1, rows = 1 }
-  --- The rim along an edge, from the back sheet (0) to the front sheet (1).
+--- A body between two sheets of as many steps, closed along the rim, where all have the same
+-- positions but normals of their own. The outside is the front of each.
+local function closed_body(front, back)
+  local function along_u(point)
+    return { point = point, nu = front.nu, nv = 1, columns = 1, rows = 1 }
+  end
+  local function along_v(point)
+    return { point = point, nu = front.nv, nv = 1, columns = 1, rows = 1 }
+  end
+  --- The rim along an edge, from the back (0) to the front (1).
   local function rim(edge_of)
     return function(along, side)
-      return (side == 0 and back or front)(edge_of(along))
+      local x, y, z = back.point(edge_of(along))
+      if side == 0 then return x, y, z end -- to the last bit, as at the front
+      local fx, fy, fz = front.point(edge_of(along))
+      return lerp(fx, x, 1 - side), lerp(fy, y, 1 - side), lerp(fz, z, 1 - side)
     end
   end
-  local low, high = rim(function(u) return u, 0 end), rim(function(u) return u, 1 end)
-  local left, right = rim(function(v) return 0, v end), rim(function(v) return 1, v end)
-  return lampyris.mesh.merge {
-    sheet.mesh(front, grid),
-    sheet.mesh(swapped(back), sheet.transposed(grid)),
-    sheet.mesh(low, across),
-    sheet.mesh(right, up),
-    sheet.mesh(swapped(high), sheet.transposed(across)),
-    sheet.mesh(swapped(left), sheet.transposed(up)),
+  return {
+    front,
+    sheet.turned(back),
+    along_u(rim(function(u) return u, 0 end)),
+    along_v(rim(function(v) return 1, v end)),
+    sheet.turned(along_u(rim(function(u) return u, 1 end))),
+    sheet.turned(along_v(rim(function(v) return 0, v end))),
   }
 end
-
--- The parts. -------------------------------------------------------------------------------------
 
 --- x, y of a place on the face.
 local function face_function(o)
@@ -165,7 +159,9 @@ local function build_lens(o, face)
     local x, y = face(u, v)
     return x, y, outer(x, y) - lens.thickness - bump(u, v)
   end
-  return closed_body(front, back, sheet.grid(front, o.lens_edge * o.coarseness, cells))
+  local inside = sheet.new(back, o.lens_edge * o.coarseness, cells)
+  local outside = { point = front, nu = inside.nu, nv = inside.nv, columns = 1, rows = 1 }
+  return closed_body(outside, inside)
 end
 
 --- The part of the face that a chamber has, as a function of its own (u, v).
@@ -242,7 +238,7 @@ local function build_chamber(o, face, chamber)
     return (x - x0) ^ 2 + (y - y0) ^ 2 > o.hole ^ 2
   end
   return {
-    reflector = surface(reflector, edge, cells, around_hole),
+    reflector = sheet.new(reflector, edge, cells, around_hole),
     focus = { x0, y0, chamber.back + chamber.focal },
     place = place,
     rim = reflector,
@@ -256,16 +252,15 @@ local function chamber_housing(o, chamber)
   local outer = outer_face_function(o.lens)
   local edge = o.lens_edge * o.coarseness
   local function wall(edge_of)
-    return surface(function(u, v)
+    return sheet.new(function(u, v)
       local x, y, z = chamber.rim(edge_of(u))
       return x, y, lerp(z, outer(x, y) - inner, v)
     end, edge)
   end
   local x0, y0, z0 = table.unpack(chamber.middle)
   local radius, depth = o.hole + 2.5 * o.coarseness, 7
-  local socket = lampyris.mesh.surface {
-    nu = 48,
-    nv = 8,
+  local socket = {
+    nu = 48, nv = 24, columns = 1, rows = 1, -- the collar bends over a twentieth
     point = function(u, v)
       -- a disc that rises to a collar around the hole
       local angle = 2 * math.pi * u
@@ -288,13 +283,13 @@ local function frame(o, face)
   local edge = o.lens_edge * o.coarseness
   local behind = o.lens.thickness + 1
   local function strip(s0, s1, t0, t1)
-    return surface(function(u, v)
+    return sheet.new(function(u, v)
       local x, y = face(lerp(s0, s1, u), lerp(t0, t1, v))
       return x, y, outer(x, y) - behind
     end, edge)
   end
   local function skirt(at)
-    return surface(function(u, v)
+    return sheet.new(function(u, v)
       local x, y = face(at(u))
       return x, y, lerp(-12, outer(x, y) - behind, v)
     end, 2 * edge)
@@ -317,34 +312,39 @@ local function frame(o, face)
   return parts
 end
 
---- Builds the lamp's meshes.
--- Returns { lens, housing, chambers = { { reflector, focus }, … }, triangle_count }.
+--- Builds the lamp: { lens, housing, chambers = { { reflector, focus }, … }, triangle_count } with a
+-- mesh for each part, and `sheets`, the surfaces that were meshed: { lens = { … }, housing = { … },
+-- reflectors = { … } }.
 function lamp.build(options)
   local o = merged(lamp.defaults, options)
   local face = face_function(o)
-  local housing = frame(o, face)
-  local result = { lens = build_lens(o, face), chambers = {} }
-  result.triangle_count = #result.lens
+  local sheets = { lens = build_lens(o, face), housing = frame(o, face), reflectors = {} }
+  local result = { sheets = sheets, chambers = {} }
   for k, chamber in ipairs(o.chambers) do
     local built = build_chamber(o, face, chamber)
-    table.move(chamber_housing(o, built), 1, 5, #housing + 1, housing)
-    result.chambers[k] = { reflector = built.reflector, focus = built.focus }
-    result.triangle_count = result.triangle_count + #built.reflector
+    table.move(chamber_housing(o, built), 1, 5, #sheets.housing + 1, sheets.housing)
+    sheets.reflectors[k] = built.reflector
+    result.chambers[k] = { reflector = sheet.mesh(built.reflector), focus = built.focus }
   end
-  result.housing = lampyris.mesh.merge(housing)
-  result.triangle_count = result.triangle_count + #result.housing
+  result.lens = sheet.merged_mesh(sheets.lens)
+  result.housing = sheet.merged_mesh(sheets.housing)
+  result.triangle_count = #result.lens + #result.housing
+  for _, chamber in ipairs(result.chambers) do
+    result.triangle_count = result.triangle_count + #chamber.reflector
+  end
   return result
 end
 
 -- Materials (Table 4) and the scene's objects. ---------------------------------------------------
 
---- Aluminium, red, amber, light amber PMMA, and the housing's dark plastic.
-function lamp.materials()
+--- Options for lampyris.material: aluminium, red, amber, light amber PMMA, and the housing's dark
+-- plastic.
+function lamp.material_options()
   local function load(name)
     return lampyris.spectrum.load(("../data/materials/%s.csv"):format(name))
   end
   local function lens(name)
-    return lampyris.material {
+    return {
       reflectance = ((1.49 - 1) / (1.49 + 1)) ^ 2, -- Fresnel's, at normal incidence
       transmittance = load(name),
       thickness = 3,
@@ -354,7 +354,7 @@ function lamp.materials()
     }
   end
   return {
-    aluminium = lampyris.material {
+    aluminium = {
       reflectance = load "aluminium_mcpeak2015",
       k_tg = 0.05, k_rg = 0.95,
       k_d = 0.08, k_s = 0.92, n_d = 10, n_s = 1500,
@@ -363,8 +363,17 @@ function lamp.materials()
     amber = lens "pmma_amber_3mm",
     light_amber = lens "pmma_light_amber_3mm",
     -- glossy black: what is not mirrored is swallowed but for a tenth
-    housing = lampyris.material { reflectance = 0.04, k_d = 0.1, k_s = 0.9, n_d = 1, n_s = 100 },
+    housing = { reflectance = 0.04, k_d = 0.1, k_s = 0.9, n_d = 1, n_s = 100 },
   }
+end
+
+--- The materials themselves, by the same names.
+function lamp.materials()
+  local materials = {}
+  for name, options in pairs(lamp.material_options()) do
+    materials[name] = lampyris.material(options)
+  end
+  return materials
 end
 
 --- The list of objects that lampyris.scene takes; `lens` names a material of lamp.materials.

@@ -1,11 +1,13 @@
 --- Meshes over surfaces that are given as functions, with creases between their cells.
 --
---   local grid = sheet.grid(point, 1.2, { columns = 9, rows = 4 })  -- edges near 1.2 mm
---   local mesh = sheet.mesh(point, grid)
+--   local pillows = sheet.new(point, 1.2, { columns = 9, rows = 4 })  -- edges near 1.2 mm
+--   local mesh = sheet.mesh(pillows)
 --
 -- `point(u, v)` returns x, y, z in mm for u and v from 0 to 1; the front is the side from which u
 -- runs right and v up. The surface is smooth within a cell (a pillow, a facet) and may break where
 -- two meet: each cell has vertices of its own, so no normal is a mean over a crease.
+-- A sheet is { point =, nu =, nv =, columns =, rows =, keep = }: nu × nv steps, and a function of
+-- x, y, z that is false where the surface has a hole.
 
 local lampyris = require "lampyris"
 
@@ -30,34 +32,37 @@ local function mean_length(point, along_v)
   return sum / lines
 end
 
---- Steps along u and v so that edges are near `edge`, whole numbers of them in each cell.
+--- A sheet whose edges are near `edge`, with whole numbers of them in each cell.
 -- The mean edge of two right triangles is 1.14 times the side of their square.
-function sheet.grid(point, edge, cells)
+function sheet.new(point, edge, cells, keep)
   local columns, rows = cells and cells.columns or 1, cells and cells.rows or 1
   local function count(length, of_cells)
     return of_cells * math.max(1, math.floor(length / of_cells / (edge / 1.14) + 0.5))
   end
   return {
-    nu = count(mean_length(point, false), columns), columns = columns,
-    nv = count(mean_length(point, true), rows), rows = rows,
+    point = point, columns = columns, rows = rows, keep = keep,
+    nu = count(mean_length(point, false), columns), nv = count(mean_length(point, true), rows),
   }
 end
 
---- The grid for a function of (v, u): a sheet that faces the other way.
-function sheet.transposed(grid)
-  return { nu = grid.nv, nv = grid.nu, columns = grid.rows, rows = grid.columns }
+--- The same places, facing the other way: v runs right and u up.
+function sheet.turned(of)
+  return {
+    point = function(u, v) return of.point(v, u) end, keep = of.keep,
+    nu = of.nv, nv = of.nu, columns = of.rows, rows = of.columns,
+  }
 end
 
 --- x, y, z at each place of the grid, row by row, and whether it is kept.
-local function evaluated(point, grid, keep)
-  local places = { x = {}, y = {}, z = {}, kept = {}, stride = grid.nu + 1 }
+local function evaluated(of)
+  local places = { x = {}, y = {}, z = {}, kept = {}, stride = of.nu + 1 }
   local k = 0
-  for j = 0, grid.nv do
-    for i = 0, grid.nu do
+  for j = 0, of.nv do
+    for i = 0, of.nu do
       k = k + 1
-      local x, y, z = point(i / grid.nu, j / grid.nv)
+      local x, y, z = of.point(i / of.nu, j / of.nv)
       places.x[k], places.y[k], places.z[k] = x, y, z
-      places.kept[k] = not keep or keep(x, y, z)
+      places.kept[k] = not of.keep or of.keep(x, y, z)
     end
   end
   return places
@@ -109,17 +114,23 @@ local function add_cell(out, places, first, m, n)
   end
 end
 
---- The mesh of `point` over a grid, without the places where `keep(x, y, z)` is false.
-function sheet.mesh(point, grid, keep)
-  local places = evaluated(point, grid, keep)
-  local m, n = grid.nu // grid.columns, grid.nv // grid.rows
+function sheet.mesh(of)
+  local places = evaluated(of)
+  local m, n = of.nu // of.columns, of.nv // of.rows
   local out = { positions = {}, normals = {}, triangles = {} }
-  for row = 0, grid.rows - 1 do
-    for column = 0, grid.columns - 1 do
+  for row = 0, of.rows - 1 do
+    for column = 0, of.columns - 1 do
       add_cell(out, places, 1 + row * n * places.stride + column * m, m, n)
     end
   end
   return lampyris.mesh.new(out)
+end
+
+--- One mesh of several sheets.
+function sheet.merged_mesh(sheets)
+  local meshes = {}
+  for k, of in ipairs(sheets) do meshes[k] = sheet.mesh(of) end
+  return lampyris.mesh.merge(meshes)
 end
 
 return sheet
