@@ -24,7 +24,8 @@ local rayset = model.lights(built, shot, samples)[1]
 local scene = lampyris.scene { objects = built.objects, lights = { rayset } }
 local view = model.view(shot, width)
 local image = scene:render(view, {
-  samples = 1, light_error = 0, max_depth = limits.max_depth, min_throughput = limits.min_throughput,
+  samples = 1, light_error = 0,
+  max_depth = limits.max_depth, min_throughput = limits.min_throughput,
 })
 
 local materials = lamp.material_options()

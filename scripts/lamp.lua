@@ -43,7 +43,8 @@ lamp.defaults = {
     { from = 1 / 3, to = 2 / 3, focal = 25, back = 0 },
     { from = 2 / 3, to = 1, focal = 25, back = -14 },
   },
-  optics = { kind = "pillows", width = 14, height = 14, depth = 0.7, depth_up = 0.4 }, -- of chambers without own
+  -- of chambers without optics of their own
+  optics = { kind = "pillows", width = 14, height = 14, depth = 0.7, depth_up = 0.4 },
 }
 
 --- `options` over `defaults`, table in table; lists are taken whole.
@@ -312,9 +313,9 @@ local function frame(o, face)
   return parts
 end
 
---- Builds the lamp: { lens, housing, chambers = { { reflector, focus }, … }, triangle_count } with a
--- mesh for each part, and `sheets`, the surfaces that were meshed: { lens = { … }, housing = { … },
--- reflectors = { … } }.
+--- Builds the lamp: { lens, housing, chambers = { { reflector, focus }, … }, triangle_count }, a
+-- mesh for each part, and `sheets`, the surfaces that were meshed:
+-- { lens = { … }, housing = { … }, reflectors = { … } }.
 function lamp.build(options)
   local o = merged(lamp.defaults, options)
   local face = face_function(o)

@@ -6,9 +6,9 @@
 --   local scene = model.scene(built, shot, 100000)      -- light samples a bulb
 --   local image = scene:render(model.view(shot, 640))
 --
--- A model script returns { name = "model1", lamp = { … }, lens = "red",
--- shots = { { name = "00", lit = { … }, azimuth = 0, white = 7 }, … } }, and renders it unless it
--- is another script that requires it. `lamp` holds the sizes that differ from lamp.lua's. A shot's
+-- A model script returns { name = "model1", lamp = { … }, lens = "red", shots = { { name = "00",
+-- lit = { … }, azimuth = 0, white = 7 }, … } }, and renders it if it is the script that was run.
+-- `lamp` holds the sizes that differ from lamp.lua's. A shot's
 -- `lit` lists the burning bulbs: { chamber = 2, bulb = "P21/5W", filament = "major" }. `white` is
 -- the luminance (of the scene's relative unit) that display white stands for; a pure red or amber
 -- at full drive has a fifth to a half of white's luminance, so it lies well above the lens's.

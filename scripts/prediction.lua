@@ -119,7 +119,8 @@ end
 
 --- Position and both derivatives at (u, v); outside of the patch as its border's tangents go on.
 local function frame_at(point, patch, u, v)
-  local cu, cv = math.max(patch.u0, math.min(patch.u1, u)), math.max(patch.v0, math.min(patch.v1, v))
+  local cu = math.max(patch.u0, math.min(patch.u1, u))
+  local cv = math.max(patch.v0, math.min(patch.v1, v))
   local hu, hv = 1e-5 * (patch.u1 - patch.u0), 1e-5 * (patch.v1 - patch.v0)
   if cu + hu > patch.u1 then hu = -hu end -- never over a crease
   if cv + hv > patch.v1 then hv = -hv end
@@ -146,11 +147,10 @@ local function meet_patch(sheet, patch, origin, direction)
     u, v = u + du, v + dv
     if math.abs(du) + math.abs(dv) < 1e-13 then break end
   end
-  local slack = 1e-9
-  if u < patch.u0 - slack or u > patch.u1 + slack or v < patch.v0 - slack or v > patch.v1 + slack then
-    return nil
-  end
-  return distance, normal, u, v
+  local slack = 1e-9 -- so that no ray slips between two patches
+  local u_in = u >= patch.u0 - slack and u <= patch.u1 + slack
+  local v_in = v >= patch.v0 - slack and v <= patch.v1 + slack
+  if u_in and v_in then return distance, normal, u, v end
 end
 
 --- Whether the mesh's grid cell around (u, v) is there: it is left out if one corner is.
@@ -172,8 +172,9 @@ local function nearest_hit(scene, origin, direction)
     for _, patch in ipairs(of.patches) do
       if meets_box(origin, direction, patch.low, patch.high, best.distance) then
         local distance, normal, u, v = meet_patch(of.sheet, patch, origin, direction)
-        -- A millionth of a millimetre: the surface that the ray leaves.
-        if distance and distance > 1e-6 and distance < best.distance and is_kept(of.sheet, u, v) then
+        -- Closer than a nanometre is the surface that the ray leaves.
+        local is_nearer = distance and distance > 1e-6 and distance < best.distance
+        if is_nearer and is_kept(of.sheet, u, v) then
           best = { distance = distance, normal = unit(normal), surface = of }
         end
       end
@@ -244,7 +245,8 @@ local function follow_children(scene, hit, ray, limits, sum)
       if material.thickness then body = is_front and hit.surface or nil end
       follow(scene, {
         origin = hit.p, direction = onward, depth = ray.depth + 1, body = body,
-        throughput = times(ray.throughput, material.k_tg, not material.thickness and hit.surface.F_t),
+        throughput =
+          times(ray.throughput, material.k_tg, not material.thickness and hit.surface.F_t),
       }, limits, sum)
     else
       mirror_share = mirror_share + material.k_tg

@@ -3,51 +3,17 @@
 --
 --   lampyris run scripts/stability.lua [-- tiny]
 --
--- The f64 reference is this script itself: eq. 9 for one or some samples, written out in Lua.
+-- The f64 reference is eq. 9 written out in Lua: see closed_form.lua.
 
+local closed_form = require "closed_form"
 local lampyris = require "lampyris"
 local paper = require "paper"
+local sheet = require "sheet"
 
+local square, turned_square = closed_form.square, closed_form.turned_square
+local lamp_at, look, look_into = closed_form.lamp_at, closed_form.look, closed_form.look_into
+local sum_over = closed_form.sum_over
 local white = lampyris.spectrum.constant(1)
-
--- Scenes. ----------------------------------------------------------------------------------------
-
---- A square of this half width at height z, facing +z.
-local function square(half, z)
-  return lampyris.mesh.new {
-    positions = { { -half, -half, z }, { half, -half, z }, { half, half, z }, { -half, half, z } },
-    triangles = { { 1, 2, 3 }, { 1, 3, 4 } },
-  }
-end
-
---- The same square, facing -z.
-local function turned_square(half, z)
-  return square(half, -z):transform { rotate = { axis = { 1, 0, 0 }, angle = 180 } }
-end
-
-local function lamp_at(position, direction, flux)
-  return lampyris.rayset.new {
-    positions = { position }, directions = { direction }, flux = flux, spectrum = white,
-  }
-end
-
-local function over(defaults, changes)
-  local result = {}
-  for key, value in pairs(defaults) do result[key] = value end
-  for key, value in pairs(changes or {}) do result[key] = value end
-  return result
-end
-
---- Luminance of the middle of a scene's picture.
-local function look_into(scene, view, quality)
-  local eye = { distance = 1000, fov = 0.01, width = 1, height = 1, target = { 0, 0, 0 } }
-  local exact = { samples = 1, light_error = 0, min_throughput = 0 }
-  return scene:render(lampyris.view(over(eye, view)), over(exact, quality)):luminance()
-end
-
-local function look(objects, lights, view, quality)
-  return look_into(lampyris.scene { objects = objects, lights = lights }, view, quality)
-end
 
 local function lobe(exponent)
   return lampyris.material { reflectance = 1, k_s = 1, n_s = exponent }
@@ -56,41 +22,6 @@ local diffuse = lampyris.material { reflectance = 1, k_d = 1, n_d = 1 }
 local plate = { mesh = square(10, 0), material = diffuse }
 local above = lamp_at({ 0, 0, 50 }, { 0, 0, -1 }, 1)
 local _, unit = white:xyz() -- luminance of the spectrum 1
-
--- Eq. 9 in doubles, at the origin of a plane that faces +z, seen from the direction (vx, 0, vz). ----
-
---- x = 1 − cos of the angle between unit vectors, without the loss of forming it.
-local function versine(ax, ay, az, bx, by, bz)
-  return ((ax - bx) ^ 2 + (ay - by) ^ 2 + (az - bz) ^ 2) / 2
-end
-
---- ln(1 − x), to the last digits for small x.
-local function log_of_one_minus(x)
-  if x > 1e-4 then return math.log(1 - x) end
-  return -x * (1 + x * (1 / 2 + x * (1 / 3 + x / 4)))
-end
-
---- Σ Φ c g over rays, with g = cos of the light's angle (no exponent) or the mirror lobe.
-local function sum_over(rays, exponent, vx, vz)
-  local sum, lost = 0, 0 -- Kahan's
-  for _, ray in ipairs(rays) do
-    local p, q = ray.position, ray.direction
-    local r = math.sqrt(p[1] ^ 2 + p[2] ^ 2 + p[3] ^ 2)
-    local lx, ly, lz = p[1] / r, p[2] / r, p[3] / r
-    local emitted = -(lx * q[1] + ly * q[2] + lz * q[3])
-    if emitted > 0 and lz > 0 then
-      local g = lz
-      if exponent then
-        local x = versine(-lx, -ly, lz, vx or 0, 0, vz or 1)
-        g = x < 1 and math.exp(exponent * log_of_one_minus(x)) or 0
-      end
-      local term = ray.flux * emitted * g - lost
-      local next_sum = sum + term
-      sum, lost = next_sum, (next_sum - sum) - term
-    end
-  end
-  return sum
-end
 
 -- The checks. ------------------------------------------------------------------------------------
 
@@ -260,6 +191,28 @@ check("slivers to an aspect of 10⁶", SINGLE, function(pair)
   end
 end)
 
+check("a nanometre beside the crease of two pillows", POWER, function(pair)
+  local function pillows(u, v) -- 8 mm wide and 0.3 mm high
+    local a = 2 * (4 * u - math.min(math.floor(4 * u), 3)) - 1
+    return 32 * u - 16, 20 * v - 10, 0.3 * (1 - a * a)
+  end
+  local mesh = sheet.mesh(sheet.new(pillows, 1.2, { columns = 4, rows = 1 }))
+  local light = lamp_at({ 512, 0, 1024 }, { -0.5, 0, -1 }, 1)
+  for _, crease in ipairs { -8, 0, 8 } do
+    for _, side in ipairs { -1, 1 } do
+      local x = crease + side * 1e-6
+      local found = look({ { mesh = mesh, material = diffuse } }, { light }, {
+        target = { x, 0, 0 }, fov = 1e-9,
+      })
+      local rise = side * 0.15 -- the pillow's slope where it ends
+      local lx, lz = 512 - x, 1024
+      local length = math.sqrt(lx ^ 2 + lz ^ 2)
+      local emitted = (0.5 * lx + lz) / (length * math.sqrt(1.25))
+      pair(found, emitted * (lz - rise * lx) / (length * math.sqrt(1 + rise ^ 2)))
+    end
+  end
+end)
+
 check("coincident faces", SINGLE, function(pair)
   local twin = { mesh = turned_square(10, 0), material = diffuse }
   for _, objects in ipairs { { plate, plate }, { plate, twin }, { twin, plate } } do
@@ -318,7 +271,7 @@ check("a sample 1 pm to 1 mm above the hit", SINGLE, function(pair)
   end
 end)
 
---- `count` samples at eight places, flux 1 and 10⁻⁶ lm in turn: an f32 sum stops growing on the way.
+--- `count` samples at eight places, of 1 and 10⁻⁶ lm in turn: an f32 sum stops growing on the way.
 local function many_samples(count)
   local places, downward = {}, { 0, 0, -1 }
   for k = 1, 8 do places[k] = { k, 0, 64 } end
@@ -362,7 +315,9 @@ end)
 local t766 = {
   gain = { 1.0204, 1.0220, 0.8997 }, offset = { -0.0204, -0.0220, 0.1003 },
   gamma = { 1.9095, 1.8642, 2.1514 }, black = { 0.41, 0.53, 0.37 },
-  inverse = { { 0.0304, -0.0129, -0.0048 }, { -0.0097, 0.0178, 0.0004 }, { 0.0005, -0.0017, 0.0077 } },
+  inverse = {
+    { 0.0304, -0.0129, -0.0048 }, { -0.0097, 0.0178, 0.0004 }, { 0.0005, -0.0017, 0.0077 },
+  },
 }
 local function digit(channel, xyz)
   local linear = 0
@@ -374,8 +329,9 @@ local function digit(channel, xyz)
 end
 
 check("digits for XYZ to ±10¹², T766", 0, function(pair)
+  local directions = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 1, 1, 1 }, { -1, 1, -1 } }
   for power = -12, 12, 4 do
-    for _, direction in ipairs { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 1, 1, 1 }, { -1, 1, -1 } } do
+    for _, direction in ipairs(directions) do
       local xyz = paper.map(direction, function(part) return part * 10.0 ^ power end)
       local found = { lampyris.display.eizo_t766:digital(table.unpack(xyz)) }
       for channel = 1, 3 do pair(found[channel], digit(channel, xyz)) end
