@@ -98,6 +98,9 @@ report:figure("fig10", lampyris.figure {
 report:table({
   "place", "hits followed", "deepest", "rendered / predicted", "relative rms", "correlation",
 }, rows)
+for _, row in ipairs(rows) do
+  report:compare(("relative rms against the prediction, %s"):format(row[1]), row[5], "shown")
+end
 
 -- Elsewhere. -------------------------------------------------------------------------------------
 

@@ -265,7 +265,7 @@ local function chamber_housing(o, chamber)
     point = function(u, v)
       -- a disc that rises to a collar around the hole
       local angle = 2 * math.pi * u
-      local r = lerp(0.05, 1, v) * radius
+      local r = lerp(0.005, 1, v) * radius
       return x0 + r * math.cos(angle), y0 + r * math.sin(angle), z0 - depth * (1 - v ^ 8)
     end,
   }
