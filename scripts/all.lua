@@ -83,13 +83,11 @@ end
 
 --- Every number that was put beside another, in one table.
 local function summary(reports)
-  local html = { '<div class="wide"><table>', row({ "", "", "Lampyris", "paper" }, "th") }
+  local html = { '<div class="wide"><table>', row({ "", "number", "Lampyris", "paper" }, "th") }
   for _, report in ipairs(reports) do
-    for _, part in ipairs(report.parts) do
-      for k = 2, part.kind == "comparison" and #part.rows or 0 do
-        local cells = row(part.rows[k], "td"):gsub("^<tr>", "")
-        table.insert(html, "<tr><td>" .. link(report) .. "</td>" .. cells)
-      end
+    for _, cells in ipairs(report.summary) do
+      local rest = row(cells, "td"):gsub("^<tr>", "")
+      table.insert(html, "<tr><td>" .. link(report) .. "</td>" .. rest)
     end
   end
   table.insert(html, "</table></div>")

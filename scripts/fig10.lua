@@ -99,7 +99,7 @@ report:table({
   "place", "hits followed", "deepest", "rendered / predicted", "relative rms", "correlation",
 }, rows)
 for _, row in ipairs(rows) do
-  report:compare(("relative rms against the prediction, %s"):format(row[1]), row[5], "shown")
+  report:summarize(("relative rms against the prediction, %s"):format(row[1]), row[5], "shown")
 end
 
 -- Elsewhere. -------------------------------------------------------------------------------------

@@ -52,5 +52,5 @@ report:figure("fig8_samples", lampyris.figure {
   },
 }, "from pictures of model 1's reflector with disjoint halves; bright pixels weigh most")
 report:table({ "N", "relative error", "error · √N" }, rows)
-report:compare("relative error of a picture, times √N",
+report:summarize("relative error of a picture, times √N",
   paper.mean(paper.map(rows, function(row) return row[3] end)))

@@ -27,7 +27,7 @@ local Report = {}
 Report.__index = Report
 
 function paper.report(name, title)
-  local report = setmetatable({ name = name, title = title, parts = {} }, Report)
+  local report = setmetatable({ name = name, title = title, parts = {}, summary = {} }, Report)
   table.insert(paper.reports, report)
   print(("%s: %s"):format(name, title))
   return report
@@ -89,16 +89,22 @@ function Report:table(headings, rows)
   print_rows(texts)
 end
 
---- A number of ours beside the paper's, or beside what else it is to be compared with.
+--- A number of ours beside the paper's, or beside what the paper says, for the page's summary.
+function Report:summarize(what, ours, theirs)
+  local row = { what, paper.text(ours), theirs and paper.text(theirs) or "–" }
+  table.insert(self.summary, row)
+  print(("  %s: %s (paper: %s)"):format(table.unpack(row)))
+  return row
+end
+
+--- The same, and in the report itself.
 function Report:compare(what, ours, theirs)
   local last = self.parts[#self.parts]
   if not (last and last.kind == "comparison") then
     last = { kind = "comparison", rows = { { "", "Lampyris", "paper" } } }
     self:add(last)
   end
-  local row = { what, paper.text(ours), theirs and paper.text(theirs) or "–" }
-  table.insert(last.rows, row)
-  print(("  %s: %s (paper: %s)"):format(table.unpack(row)))
+  table.insert(last.rows, self:summarize(what, ours, theirs))
 end
 
 -- Lists of numbers. ------------------------------------------------------------------------------

@@ -37,7 +37,8 @@ end
 function sheet.new(point, edge, cells, keep)
   local columns, rows = cells and cells.columns or 1, cells and cells.rows or 1
   local function count(length, of_cells)
-    return of_cells * math.max(1, math.floor(length / of_cells / (edge / 1.14) + 0.5))
+    local least = of_cells > 1 and 2 or 1 -- a bulge has a middle
+    return of_cells * math.max(least, math.floor(length / of_cells / (edge / 1.14) + 0.5))
   end
   return {
     point = point, columns = columns, rows = rows, keep = keep,
