@@ -6,18 +6,17 @@
 -- a second the picture took. Rays are those of the camera, of mirrors, of lenses and to lights.
 
 local lampyris = require "lampyris"
-local lamp = require "lamp"
+local model = require "model"
 local paper = require "paper"
 
 local width = paper.size(640, 16)
 local samples = 4
 
-local options = paper.lamp("model1")
-local shot = options.shots[1]
-local built = paper.build(options, paper.size(1, 6))
-local lights = paper.lights(built, shot, paper.size(1000000, 400))
-local scene = lampyris.scene { objects = lamp.objects(built, options.lens), lights = lights }
-local stats = scene:render(paper.view(shot, width), { samples = samples }).stats
+local built = model.build(require "model1", paper.size(1, 6))
+local shot = built.shots[1]
+local lights = model.lights(built, shot, paper.size(1000000, 400))
+local scene = lampyris.scene { objects = built.objects, lights = lights }
+local stats = scene:render(model.view(shot, width), { samples = samples }).stats
 
 --- Such as 1.2 million.
 local function count(number)
