@@ -22,6 +22,7 @@ mod material;
 mod mesh;
 mod paths;
 mod photometry;
+mod quality;
 mod scene;
 mod spectrum;
 mod sweep;

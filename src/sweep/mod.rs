@@ -28,7 +28,7 @@ pub use luminance::{LuminanceScale, luminance_raster};
 pub use manifest::{Entry, FileDigest, Manifest, Source};
 pub use merge::{Merged, merge};
 pub use page::luminance_name;
-pub use record::{Reading, display_record, quality_record, stats_record, view_record};
+pub use record::{Reading, asked_record, display_record, stats_record, view_record};
 pub use shard::Shard;
 pub use verify::{Report, verify};
 

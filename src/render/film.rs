@@ -1,0 +1,192 @@
+//! The picture while it is taken: each pixel's mean spectrum and its luminance statistics.
+
+use super::{Quality, Samples};
+use crate::image::{Metadata, SpectralImage};
+use crate::image_difference::lit_luminance;
+use crate::light::Photometry;
+use crate::view::View;
+
+/// Every sixth sample is of a group: each of the six is as evenly spread as all together (those of
+/// 4, 7 and 8 groups would line up), so that their means tell how far the mean is off.
+const GROUPS: usize = 6;
+
+/// Luminance statistics of a pixel's samples (Welford's recurrence).
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct PixelStats {
+    pub count: u32,
+    /// What [`Film::plan`] asks for.
+    pub planned: u32,
+    pub mean: f64,
+    /// Σ (Y − mean)².
+    squares: f64,
+    groups: [f64; GROUPS],
+    /// Σ of the samples' estimated light errors.
+    pub light_error: f64,
+}
+
+impl PixelStats {
+    pub fn add(&mut self, luminance: f64, light_error: f64) {
+        self.groups[self.count as usize % GROUPS] += luminance;
+        self.count += 1;
+        let before = luminance - self.mean;
+        self.mean += before / f64::from(self.count);
+        self.squares += before * (luminance - self.mean);
+        self.light_error += light_error;
+    }
+
+    /// Standard error of the mean, relative to max(pixel, image mean); infinite for one sample.
+    pub fn relative_error(&self, image_mean: f64) -> f64 {
+        let n = f64::from(self.count);
+        let scale = self.mean.max(image_mean);
+        if self.count < 2 {
+            f64::INFINITY
+        } else if scale == 0.0 {
+            0.0
+        } else {
+            self.deviation() / n.sqrt() / scale
+        }
+    }
+
+    /// Standard deviation of the samples.
+    fn deviation(&self) -> f64 {
+        (self.squares / (f64::from(self.count) - 1.0)).sqrt()
+    }
+
+    /// Square of the mean's error, from how the groups differ.
+    ///
+    /// Evenly spread samples are closer than their deviation tells; the groups are spread as
+    /// evenly, only coarser, so that this errs to the safe side by less.
+    fn squared_error(&self) -> f64 {
+        let squares: f64 = self.group_means().map(|mean| (mean - self.mean).powi(2)).sum();
+        squares / (GROUPS * (GROUPS - 1)) as f64
+    }
+
+    /// What errors are relative to: the mean without its brightest group, or `lit`.
+    ///
+    /// A rare highlight that one sample has met by chance would otherwise excuse itself.
+    fn scale(&self, lit: f64) -> f64 {
+        let (sum, most) = self.group_means().fold((0.0, 0.0f64), |(sum, most), mean| {
+            (sum + mean, most.max(mean))
+        });
+        ((sum - most) / (GROUPS - 1) as f64).max(lit)
+    }
+
+    fn group_means(&self) -> impl Iterator<Item = f64> {
+        let of_group = |(group, sum): (usize, &f64)| {
+            let count = (self.count as usize + GROUPS - 1 - group) / GROUPS;
+            sum / count as f64
+        };
+        self.groups.iter().enumerate().map(of_group)
+    }
+}
+
+/// Each pixel's mean spectrum, and its statistics.
+pub(super) struct Film {
+    width: usize,
+    pub bands: usize,
+    pub spectra: Vec<f32>,
+    pub pixels: Vec<PixelStats>,
+}
+
+impl Film {
+    pub fn new(view: &View, bands: usize) -> Self {
+        let pixels = view.pixels();
+        Self {
+            width: view.width,
+            bands,
+            spectra: vec![0.0; pixels * bands],
+            pixels: vec![PixelStats::default(); pixels],
+        }
+    }
+
+    pub fn mean(&self, value: impl Fn(&PixelStats) -> f64) -> f64 {
+        self.pixels.iter().map(value).sum::<f64>() / self.pixels.len() as f64
+    }
+
+    pub fn mean_luminance(&self) -> f64 {
+        self.mean(|pixel| pixel.mean)
+    }
+
+    /// Luminance from which on a pixel counts as lit.
+    pub fn lit_luminance(&self) -> f64 {
+        lit_luminance(self.pixels.iter().map(|pixel| pixel.mean).collect())
+    }
+
+    /// Estimated rms error of luminance over lit pixels, relative to each.
+    pub fn lit_error(&self) -> f64 {
+        let lit = self.lit_luminance();
+        let is_lit = |pixel: &&PixelStats| pixel.mean > 0.0 && pixel.mean >= lit;
+        let relative = |pixel: &PixelStats| pixel.squared_error() / pixel.scale(lit).powi(2);
+        let count = self.pixels.iter().filter(is_lit).count();
+        let squares: f64 = self.pixels.iter().filter(is_lit).map(relative).sum();
+        (squares / count.max(1) as f64).sqrt()
+    }
+
+    /// Plans `growth` times as many samples as there are, each pixel's in proportion to their
+    /// deviation relative to its luminance: so a given number makes the rms error least.
+    ///
+    /// A pixel may have a highlight that no sample has met, and the more likely the more its
+    /// neighbors need: none has less than a share of the mean, and of any neighbor's.
+    pub fn plan(&mut self, growth: f64, most: u32) {
+        const LEAST_OF_MEAN: f64 = 0.25;
+        const LEAST_OF_NEIGHBOR: f64 = 0.25;
+        let lit = self.lit_luminance();
+        let weight = |pixel: &PixelStats| pixel.deviation() / pixel.scale(lit);
+        let samples = growth * self.pixels.iter().map(|pixel| f64::from(pixel.count)).sum::<f64>();
+        let weights: f64 = self.pixels.iter().map(weight).sum();
+        let least = LEAST_OF_MEAN * samples / self.pixels.len() as f64;
+        let share = |pixel: &PixelStats| (samples * weight(pixel) / weights).max(least);
+        let shares: Vec<f64> = self.pixels.iter().map(share).collect();
+        for at in 0..self.pixels.len() {
+            let around = self.around(at).map(|other| LEAST_OF_NEIGHBOR * shares[other]);
+            let wanted = around.fold(shares[at], f64::max).ceil() as u32;
+            let pixel = &mut self.pixels[at];
+            pixel.planned = wanted.clamp(pixel.count.min(most), most);
+        }
+    }
+
+    /// A pixel and those that touch it.
+    fn around(&self, at: usize) -> impl Iterator<Item = usize> + use<> {
+        let (width, height) = (self.width, self.pixels.len() / self.width);
+        let (x, y) = (at % width, at / width);
+        let rows = y.saturating_sub(1)..(y + 2).min(height);
+        let columns = x.saturating_sub(1)..(x + 2).min(width);
+        rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
+    }
+
+    pub fn into_image(self, view: &View, quality: &Quality, photometry: Photometry) -> SpectralImage {
+        let (error, samples) = match quality.samples {
+            Samples::Fixed(_) => (None, None),
+            Samples::Adaptive { .. } | Samples::Lit { .. } => {
+                let image_mean = self.mean_luminance();
+                let error = |pixel: &PixelStats| pixel.relative_error(image_mean) as f32;
+                let samples = |pixel: &PixelStats| pixel.count as f32;
+                (
+                    Some(self.pixels.iter().map(error).collect()),
+                    Some(self.pixels.iter().map(samples).collect()),
+                )
+            }
+        };
+        SpectralImage {
+            width: view.width,
+            height: view.height,
+            grid: quality.grid,
+            bands: self.spectra,
+            photometry,
+            error,
+            samples,
+            metadata: metadata(view, quality),
+        }
+    }
+}
+
+/// View, quality and program version, for the image's file.
+fn metadata(view: &View, quality: &Quality) -> Metadata {
+    [
+        ("view", view.to_string()),
+        ("quality", quality.to_string()),
+        ("version", format!("lampyris {}", env!("CARGO_PKG_VERSION"))),
+    ]
+    .map(|(key, value)| (key.to_owned(), value))
+    .into()
+}
