@@ -5,17 +5,21 @@
 local lampyris = require "lampyris"
 local paper = require "paper"
 
-local names = {
-  "fig1", "fig3", "fig5", "fig6", "fig7", "fig8", "fig8_samples", "fig9", "fig10", "fig11",
-  "table2", "table3", "table4", "table5", "start_points", "glare", "tradeoff", "stability",
+local of_the_paper = {
+  "fig1", "fig3", "fig5", "fig6", "fig7", "fig8", "fig9", "fig10", "fig11",
+  "table2", "table3", "table4", "table5",
 }
+local beyond_it = { "fig8_samples", "start_points", "glare", "tradeoff", "stability" }
 
 local style = [[
 body { font: 16px/1.5 "DejaVu Sans", Verdana, sans-serif; color: #222; background: #fff;
        max-width: 1180px; margin: 2em auto; padding: 0 1.5em; }
 h1 { font-size: 1.8em; margin-bottom: 0.2em; }
-h2 { font-size: 1.25em; margin-top: 2.5em; border-top: 1px solid #ccc; padding-top: 1em; }
+h2 { font-size: 1.45em; margin-top: 2.5em; border-top: 2px solid #999; padding-top: 1em; }
+h3 { font-size: 1.15em; margin-top: 2.2em; border-top: 1px solid #ccc; padding-top: 1em; }
+h2 + section h3 { border-top: none; margin-top: 0; }
 nav a { margin-right: 1em; white-space: nowrap; }
+a { color: #0b5394; }
 figure { margin: 1em 0; }
 figure svg { max-width: 100%; height: auto; }
 figcaption, .note { color: #555; font-size: 0.92em; }
@@ -23,6 +27,7 @@ table { border-collapse: collapse; margin: 1em 0; font-size: 0.92em; }
 th, td { text-align: left; padding: 0.2em 1.1em 0.2em 0; border-bottom: 1px solid #ddd;
          font-variant-numeric: tabular-nums; }
 .wide { overflow-x: auto; }
+@media print { section { break-inside: avoid-page; } nav { display: none; } }
 ]]
 
 local function escaped(text)
@@ -64,17 +69,45 @@ local to_html = {
 }
 
 local function section(report)
-  local html = { ('<section id="%s">\n<h2>%s</h2>'):format(report.name, escaped(report.title)) }
+  local html = { ('<section id="%s">\n<h3>%s</h3>'):format(report.name, escaped(report.title)) }
   for _, part in ipairs(report.parts) do table.insert(html, to_html[part.kind](part)) end
   table.insert(html, ('<p class="note">scripts/%s.lua</p>\n</section>'):format(report.name))
   return table.concat(html, "\n")
 end
 
-for _, name in ipairs(names) do require(name) end
+--- A report's short name, as a link: "Fig. 1" of "Fig. 1: ray paths through the lamp".
+local function link(report)
+  local short = report.title:match("^(.-):") or report.title
+  return ('<a href="#%s">%s</a>'):format(report.name, escaped(short))
+end
 
-local links = paper.map(paper.reports, function(report)
-  return ('<a href="#%s">%s</a>'):format(report.name, report.name)
-end)
+--- Every number that was put beside another, in one table.
+local function summary(reports)
+  local html = { '<div class="wide"><table>', row({ "", "", "Lampyris", "paper" }, "th") }
+  for _, report in ipairs(reports) do
+    for _, part in ipairs(report.parts) do
+      for k = 2, part.kind == "comparison" and #part.rows or 0 do
+        local cells = row(part.rows[k], "td"):gsub("^<tr>", "")
+        table.insert(html, "<tr><td>" .. link(report) .. "</td>" .. cells)
+      end
+    end
+  end
+  table.insert(html, "</table></div>")
+  return table.concat(html, "\n")
+end
+
+--- Runs scripts; returns their reports.
+local function run(names)
+  local first = #paper.reports + 1
+  for _, name in ipairs(names) do require(name) end
+  return table.move(paper.reports, first, #paper.reports, 1, {})
+end
+
+local function chapter(title, reports)
+  return ("<h2>%s</h2>\n"):format(title) .. table.concat(paper.map(reports, section), "\n")
+end
+
+local figures, studies = run(of_the_paper), run(beyond_it)
 lampyris.write("index.html", table.concat({
   '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">',
   '<meta name="viewport" content="width=device-width, initial-scale=1">',
@@ -82,10 +115,13 @@ lampyris.write("index.html", table.concat({
   "<style>\n" .. style .. "</style>\n</head>\n<body>",
   "<h1>The paper's figures and tables</h1>",
   "<p>Lee, Lee &amp; Ha, “Rendering Method of Light Environment Based on Modeling of Physical"
-    .. " Characteristic”, J. IEEK 43-SP-6, 2006, as Lampyris " .. lampyris.version .. " makes them."
+    .. " Characteristic”, J. IEEK 43-SP-6, 2006, as Lampyris " .. lampyris.version
+    .. " makes them."
     .. (paper.is_tiny and " A tiny run: for tests, not for reading." or "") .. "</p>",
-  "<nav>" .. table.concat(links, "\n") .. "</nav>",
-  table.concat(paper.map(paper.reports, section), "\n"),
+  "<nav>" .. table.concat(paper.map(paper.reports, link), "\n") .. "</nav>",
+  "<h2>In numbers</h2>\n" .. summary(paper.reports),
+  chapter("The paper", figures),
+  chapter("Beyond the paper", studies),
   "</body>\n</html>\n",
 }, "\n"))
 print("index.html")

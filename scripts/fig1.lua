@@ -3,22 +3,19 @@
 --   lampyris run scripts/fig1.lua [-- tiny]
 
 local lampyris = require "lampyris"
-local lamp = require "lamp"
+local model = require "model"
 local paper = require "paper"
 
-local options = paper.lamp("model1")
-local built = paper.build(options, paper.size(2, 6))
-local objects = lamp.objects(built, options.lens)
+local built = model.build(require "model1", paper.size(2, 6))
 local focus = built.chambers[2].focus
-local lights = paper.lights(built, options.shots[1], 100)
-local scene = lampyris.scene { objects = objects, lights = lights }
+local scene = model.scene(built, built.shots[1], 100)
 -- A narrow view of the middle chamber: three hundredths of a degree a pixel.
 local view = lampyris.view {
   distance = 3000, target = { focus[1], 0, 60 }, fov = 3, width = 100, height = 100,
 }
 
 local outline = {}
-for _, object in ipairs(objects) do
+for _, object in ipairs(built.objects) do
   for _, ends in ipairs(object.mesh:section { normal = { 1, 0, 0 }, through = focus }) do
     for _, p in ipairs(ends) do table.insert(outline, { p[3], p[2] }) end
     table.insert(outline, {})

@@ -3,19 +3,17 @@
 --   lampyris run scripts/fig11.lua [-- tiny]
 
 local lampyris = require "lampyris"
-local lamp = require "lamp"
+local model = require "model"
 local paper = require "paper"
 
 local width = paper.size(400, 32)
 local samples = paper.size(50000, 100)
 
 local function panels_of(name)
-  local options = paper.lamp(name)
-  local built = paper.build(options, paper.size(1, 6))
-  local objects = lamp.objects(built, options.lens)
-  return paper.map(options.shots, function(shot)
-    local scene = lampyris.scene { objects = objects, lights = paper.lights(built, shot, samples) }
-    local image = scene:render(paper.view(shot, width), { samples = 4 })
+  local built = model.build(require(name), paper.size(1, 6))
+  return paper.map(built.shots, function(shot)
+    local scene = model.scene(built, shot, samples)
+    local image = scene:render(model.view(shot, width), { samples = 4 })
     local x, y = image:spectrum():xy()
     return {
       image = image, seconds = image.stats.seconds, x = x, y = y, white = shot.white,

@@ -4,14 +4,14 @@
 --   lampyris run scripts/fig8.lua [-- tiny]
 
 local lampyris = require "lampyris"
-local lamp = require "lamp"
+local model = require "model"
 local paper = require "paper"
 
 local width = paper.size(160, 24)
 local samples = paper.size(100000, 300)
 local reference_samples = paper.size(1000000, 3000)
 
-local built = paper.build(paper.lamp("model1"), paper.size(1, 5))
+local built = model.build(require "model1", paper.size(1, 5))
 local chamber = built.chambers[2]
 local place = { center = chamber.focus, samples = samples }
 
@@ -94,6 +94,10 @@ report:figure("fig8", lampyris.figure {
 report:table({
   "light", "n_s", "correlation", "contrast", "of the reference", "relative rms",
 }, rows)
+for k, verdict in ipairs { "keeps the pattern", "loses it" } do
+  report:compare(("correlation with %d rays, %s"):format(reference_samples, rows[k][1]),
+    rows[k][3], verdict)
+end
 report:note(("In the highlight, against a RAYSET of %d rays with another seed. The paper shows that"
   .. " the RAYSET keeps the filament's pattern and a cylinder does not, without numbers."
 ):format(reference_samples))

@@ -3,18 +3,14 @@
 --   lampyris run scripts/glare.lua [-- tiny]
 
 local lampyris = require "lampyris"
-local lamp = require "lamp"
+local model = require "model"
 local paper = require "paper"
 
 local width = paper.size(400, 40)
-local options = paper.lamp("model1")
-local shot = options.shots[1]
-local built = paper.build(options, paper.size(2, 6))
-local scene = lampyris.scene {
-  objects = lamp.objects(built, options.lens),
-  lights = paper.lights(built, shot, paper.size(20000, 100)),
-}
-local image = scene:render(paper.view(shot, width), { samples = 4 })
+local built = model.build(require "model1", paper.size(2, 6))
+local shot = built.shots[1]
+local scene = model.scene(built, shot, paper.size(20000, 100))
+local image = scene:render(model.view(shot, width), { samples = 4 })
 
 local eyes = {
   { title = "without glare" },

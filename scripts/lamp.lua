@@ -9,6 +9,7 @@
 -- A place on the lamp's face is (s, t): s from 0 (left) to 1 (right), t from 0 (bottom) to 1 (top).
 
 local lampyris = require "lampyris"
+local sheet = require "sheet"
 
 local lamp = {}
 
@@ -42,7 +43,8 @@ lamp.defaults = {
     { from = 1 / 3, to = 2 / 3, focal = 25, back = 0 },
     { from = 2 / 3, to = 1, focal = 25, back = -14 },
   },
-  optics = { kind = "pillows", width = 14, height = 14, depth = 0.7, depth_up = 0.4 }, -- of chambers without own
+  -- of chambers without optics of their own
+  optics = { kind = "pillows", width = 14, height = 14, depth = 0.7, depth_up = 0.4 },
 }
 
 --- `options` over `defaults`, table in table; lists are taken whole.
@@ -81,99 +83,53 @@ local relief = {
   plain = function() return 0 end,
 }
 
---- Cells of the optics over a patch of this size: at least one each way.
+--- Columns and rows of the optics' cells over a patch of this size: at least one each way.
 local function cells_of(optics, width, height)
   local function count(length, cell)
     return cell and math.max(1, math.floor(length / cell + 0.5)) or 1
   end
-  return count(width, optics.width), count(height, optics.height)
+  return { columns = count(width, optics.width), rows = count(height, optics.height) }
 end
 
 --- z over the base surface as a function of (u, v) in a patch of this size.
-local function relief_function(optics, columns, rows)
+local function relief_function(optics, cells)
   local shape = relief[optics.kind] or error(("lamp: unknown optics \"%s\""):format(optics.kind), 0)
   local across = optics.depth or 0
   local up = optics.depth_up or across
   return function(u, v)
-    return shape(within_cell(u, columns), within_cell(v, rows), across, up)
+    return shape(within_cell(u, cells.columns), within_cell(v, cells.rows), across, up)
   end
 end
 
--- Meshing. ---------------------------------------------------------------------------------------
+-- The parts: each is one or more sheets. ----------------------------------------------------------
 
---- Mean length of the lines along which u (or v) runs.
-local function mean_length(point, along_v)
-  local lines, steps, sum = 9, 48, 0
-  for line = 0, lines - 1 do
-    local across = (line + 0.5) / lines
-    local px, py, pz
-    for step = 0, steps do
-      local u, v = step / steps, across
-      if along_v then u, v = v, u end
-      local x, y, z = point(u, v)
-      if px then
-        sum = sum + math.sqrt((x - px) ^ 2 + (y - py) ^ 2 + (z - pz) ^ 2)
-      end
-      px, py, pz = x, y, z
+--- A body between two sheets of as many steps, closed along the rim, where all have the same
+-- positions but normals of their own. The outside is the front of each.
+local function closed_body(front, back)
+  local function along_u(point)
+    return { point = point, nu = front.nu, nv = 1, columns = 1, rows = 1 }
+  end
+  local function along_v(point)
+    return { point = point, nu = front.nv, nv = 1, columns = 1, rows = 1 }
+  end
+  --- The rim along an edge, from the back (0) to the front (1).
+  local function rim(edge_of)
+    return function(along, side)
+      local x, y, z = back.point(edge_of(along))
+      if side == 0 then return x, y, z end -- to the last bit, as at the front
+      local fx, fy, fz = front.point(edge_of(along))
+      return lerp(fx, x, 1 - side), lerp(fy, y, 1 - side), lerp(fz, z, 1 - side)
     end
   end
-  return sum / lines
+  return {
+    front,
+    sheet.turned(back),
+    along_u(rim(function(u) return u, 0 end)),
+    along_v(rim(function(v) return 1, v end)),
+    sheet.turned(along_u(rim(function(u) return u, 1 end))),
+    sheet.turned(along_v(rim(function(v) return 0, v end))),
+  }
 end
-
---- Cells along u and v so that edges are near `edge`, whole numbers of them in each optics' cell.
--- The mean edge of two right triangles is 1.14 times the side of their square.
-local function divisions(point, edge, columns, rows)
-  local function count(length, cells)
-    return cells * math.max(1, math.floor(length / cells / (edge / 1.14) + 0.5))
-  end
-  return count(mean_length(point, false), columns or 1), count(mean_length(point, true), rows or 1)
-end
-
-local function surface(point, edge, columns, rows, keep)
-  local nu, nv = divisions(point, edge, columns, rows)
-  return lampyris.mesh.surface { nu = nu, nv = nv, point = point, keep = keep }
-end
-
---- A body between two sheets over the same grid, closed along the rim by shared positions.
--- `front(u, v)` and `back(u, v)` return x, y, z; the outside is the front of every triangle.
-local function closed_body(front, back, nu, nv)
-  local positions, triangles = {}, {}
-  for _, sheet in ipairs { front, back } do
-    for j = 0, nv do
-      for i = 0, nu do
-        positions[#positions + 1] = { sheet(i / nu, j / nv) }
-      end
-    end
-  end
-  local sheet_size = (nu + 1) * (nv + 1)
-  local function at(i, j)
-    return j * (nu + 1) + i + 1
-  end
-  local function quad(a, b, c, d)
-    triangles[#triangles + 1] = { a, b, c }
-    triangles[#triangles + 1] = { a, c, d }
-  end
-  for j = 0, nv - 1 do
-    for i = 0, nu - 1 do
-      local a, b, c, d = at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)
-      quad(a, b, c, d)
-      quad(d + sheet_size, c + sheet_size, b + sheet_size, a + sheet_size)
-    end
-  end
-  -- The rim, counter-clockwise as seen from the front.
-  local rim = {}
-  for i = 0, nu - 1 do rim[#rim + 1] = at(i, 0) end
-  for j = 0, nv - 1 do rim[#rim + 1] = at(nu, j) end
-  for i = nu, 1, -1 do rim[#rim + 1] = at(i, nv) end
-  for j = nv, 1, -1 do rim[#rim + 1] = at(0, j) end
-  for k, a in ipairs(rim) do
-    local b = rim[k % #rim + 1]
-    quad(a, a + sheet_size, b + sheet_size, b)
-  end
-  return lampyris.mesh.new { positions = positions, triangles = triangles }
-end
-
--- The parts. -------------------------------------------------------------------------------------
 
 --- x, y of a place on the face.
 local function face_function(o)
@@ -193,8 +149,8 @@ end
 
 local function build_lens(o, face)
   local lens = o.lens
-  local columns, rows = cells_of(lens.optics, o.width, o.height)
-  local bump = relief_function(lens.optics, columns, rows)
+  local cells = cells_of(lens.optics, o.width, o.height)
+  local bump = relief_function(lens.optics, cells)
   local outer = outer_face_function(lens)
   local function front(u, v)
     local x, y = face(u, v)
@@ -204,8 +160,9 @@ local function build_lens(o, face)
     local x, y = face(u, v)
     return x, y, outer(x, y) - lens.thickness - bump(u, v)
   end
-  local nu, nv = divisions(front, o.lens_edge * o.coarseness, columns, rows)
-  return closed_body(front, back, nu, nv)
+  local inside = sheet.new(back, o.lens_edge * o.coarseness, cells)
+  local outside = { point = front, nu = inside.nu, nv = inside.nv, columns = 1, rows = 1 }
+  return closed_body(outside, inside)
 end
 
 --- The part of the face that a chamber has, as a function of its own (u, v).
@@ -256,16 +213,16 @@ local function build_chamber(o, face, chamber)
   local place = chamber_face(o, face, chamber)
   local x0, y0 = place(0.5, 0.5)
   local x1, y1 = place(1, 1)
-  local columns, rows = cells_of(optics, 2 * (x1 - x0), 2 * (y1 - y0))
+  local cells = cells_of(optics, 2 * (x1 - x0), 2 * (y1 - y0))
   local shape = base_shapes[chamber.shape or "paraboloid"]
   local function base(u, v)
     local x, y = place(u, v)
     return chamber.back + shape(chamber, x - x0, y - y0)
   end
   if optics.facets then
-    base = faceted(base, columns, rows)
+    base = faceted(base, cells.columns, cells.rows)
   end
-  local bump = relief_function(optics, columns, rows)
+  local bump = relief_function(optics, cells)
   local function reflector(u, v)
     local x, y = place(u, v)
     return x, y, base(u, v) + bump(u, v)
@@ -282,7 +239,7 @@ local function build_chamber(o, face, chamber)
     return (x - x0) ^ 2 + (y - y0) ^ 2 > o.hole ^ 2
   end
   return {
-    reflector = surface(reflector, edge, columns, rows, around_hole),
+    reflector = sheet.new(reflector, edge, cells, around_hole),
     focus = { x0, y0, chamber.back + chamber.focal },
     place = place,
     rim = reflector,
@@ -296,20 +253,19 @@ local function chamber_housing(o, chamber)
   local outer = outer_face_function(o.lens)
   local edge = o.lens_edge * o.coarseness
   local function wall(edge_of)
-    return surface(function(u, v)
+    return sheet.new(function(u, v)
       local x, y, z = chamber.rim(edge_of(u))
       return x, y, lerp(z, outer(x, y) - inner, v)
     end, edge)
   end
   local x0, y0, z0 = table.unpack(chamber.middle)
   local radius, depth = o.hole + 2.5 * o.coarseness, 7
-  local socket = lampyris.mesh.surface {
-    nu = 48,
-    nv = 8,
+  local socket = {
+    nu = 48, nv = 24, columns = 1, rows = 1, -- the collar bends over a twentieth
     point = function(u, v)
       -- a disc that rises to a collar around the hole
       local angle = 2 * math.pi * u
-      local r = lerp(0.05, 1, v) * radius
+      local r = lerp(0.005, 1, v) * radius
       return x0 + r * math.cos(angle), y0 + r * math.sin(angle), z0 - depth * (1 - v ^ 8)
     end,
   }
@@ -328,13 +284,13 @@ local function frame(o, face)
   local edge = o.lens_edge * o.coarseness
   local behind = o.lens.thickness + 1
   local function strip(s0, s1, t0, t1)
-    return surface(function(u, v)
+    return sheet.new(function(u, v)
       local x, y = face(lerp(s0, s1, u), lerp(t0, t1, v))
       return x, y, outer(x, y) - behind
     end, edge)
   end
   local function skirt(at)
-    return surface(function(u, v)
+    return sheet.new(function(u, v)
       local x, y = face(at(u))
       return x, y, lerp(-12, outer(x, y) - behind, v)
     end, 2 * edge)
@@ -357,34 +313,39 @@ local function frame(o, face)
   return parts
 end
 
---- Builds the lamp's meshes.
--- Returns { lens, housing, chambers = { { reflector, focus }, … }, triangle_count }.
+--- Builds the lamp: { lens, housing, chambers = { { reflector, focus }, … }, triangle_count }, a
+-- mesh for each part, and `sheets`, the surfaces that were meshed:
+-- { lens = { … }, housing = { … }, reflectors = { … } }.
 function lamp.build(options)
   local o = merged(lamp.defaults, options)
   local face = face_function(o)
-  local housing = frame(o, face)
-  local result = { lens = build_lens(o, face), chambers = {} }
-  result.triangle_count = #result.lens
+  local sheets = { lens = build_lens(o, face), housing = frame(o, face), reflectors = {} }
+  local result = { sheets = sheets, chambers = {} }
   for k, chamber in ipairs(o.chambers) do
     local built = build_chamber(o, face, chamber)
-    table.move(chamber_housing(o, built), 1, 5, #housing + 1, housing)
-    result.chambers[k] = { reflector = built.reflector, focus = built.focus }
-    result.triangle_count = result.triangle_count + #built.reflector
+    table.move(chamber_housing(o, built), 1, 5, #sheets.housing + 1, sheets.housing)
+    sheets.reflectors[k] = built.reflector
+    result.chambers[k] = { reflector = sheet.mesh(built.reflector), focus = built.focus }
   end
-  result.housing = lampyris.mesh.merge(housing)
-  result.triangle_count = result.triangle_count + #result.housing
+  result.lens = sheet.merged_mesh(sheets.lens)
+  result.housing = sheet.merged_mesh(sheets.housing)
+  result.triangle_count = #result.lens + #result.housing
+  for _, chamber in ipairs(result.chambers) do
+    result.triangle_count = result.triangle_count + #chamber.reflector
+  end
   return result
 end
 
 -- Materials (Table 4) and the scene's objects. ---------------------------------------------------
 
---- Aluminium, red, amber, light amber PMMA, and the housing's dark plastic.
-function lamp.materials()
+--- Options for lampyris.material: aluminium, red, amber, light amber PMMA, and the housing's dark
+-- plastic.
+function lamp.material_options()
   local function load(name)
     return lampyris.spectrum.load(("../data/materials/%s.csv"):format(name))
   end
   local function lens(name)
-    return lampyris.material {
+    return {
       reflectance = ((1.49 - 1) / (1.49 + 1)) ^ 2, -- Fresnel's, at normal incidence
       transmittance = load(name),
       thickness = 3,
@@ -394,7 +355,7 @@ function lamp.materials()
     }
   end
   return {
-    aluminium = lampyris.material {
+    aluminium = {
       reflectance = load "aluminium_mcpeak2015",
       k_tg = 0.05, k_rg = 0.95,
       k_d = 0.08, k_s = 0.92, n_d = 10, n_s = 1500,
@@ -403,8 +364,17 @@ function lamp.materials()
     amber = lens "pmma_amber_3mm",
     light_amber = lens "pmma_light_amber_3mm",
     -- glossy black: what is not mirrored is swallowed but for a tenth
-    housing = lampyris.material { reflectance = 0.04, k_d = 0.1, k_s = 0.9, n_d = 1, n_s = 100 },
+    housing = { reflectance = 0.04, k_d = 0.1, k_s = 0.9, n_d = 1, n_s = 100 },
   }
+end
+
+--- The materials themselves, by the same names.
+function lamp.materials()
+  local materials = {}
+  for name, options in pairs(lamp.material_options()) do
+    materials[name] = lampyris.material(options)
+  end
+  return materials
 end
 
 --- The list of objects that lampyris.scene takes; `lens` names a material of lamp.materials.

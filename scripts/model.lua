@@ -1,48 +1,61 @@
---- Renders a lamp of Table 5: what the model scripts share.
+--- The lamps of Table 5, lit: what the model scripts and the figures share.
 --
---   model.render { name = "model1", lamp = { … }, lens = "red",
---                  shots = { { name = "00", lit = { … }, azimuth = 0 }, … } }
+--   local model = require "model"
+--   local built = model.build(require "model1", 2)      -- edges twice as long
+--   local shot = built.shots[1]
+--   local scene = model.scene(built, shot, 100000)      -- light samples a bulb
+--   local image = scene:render(model.view(shot, 640))
 --
--- A shot's `lit` lists the burning bulbs: { chamber = 2, bulb = "P21/5W", filament = "major" }.
--- Each shot is saved as EXR and as PNG for the paper's display and for sRGB. `white` is the
--- luminance (of the scene's relative unit) that display white stands for; a pure red or amber at
--- full drive has a fifth to a half of white's luminance, so it lies well above the lens's.
--- The script's arguments: picture width, mesh coarseness, light samples a bulb.
+-- A model script returns { name = "model1", lamp = { … }, lens = "red", shots = { { name = "00",
+-- lit = { … }, azimuth = 0, white = 7 }, … } }, and renders it if it is the script that was run.
+-- `lamp` holds the sizes that differ from lamp.lua's. A shot's
+-- `lit` lists the burning bulbs: { chamber = 2, bulb = "P21/5W", filament = "major" }. `white` is
+-- the luminance (of the scene's relative unit) that display white stands for; a pure red or amber
+-- at full drive has a fifth to a half of white's luminance, so it lies well above the lens's.
 
 local lampyris = require "lampyris"
 local lamp = require "lamp"
 
 local model = {}
 
-local width = tonumber(arg[1]) or 640
-local coarseness = tonumber(arg[2]) or 1
-local light_samples = tonumber(arg[3]) or 100000
+--- lamp.build for a model, with edges `coarseness` times as long, its `objects` for lampyris.scene,
+-- and its name and shots.
+function model.build(options, coarseness)
+  local sizes = { coarseness = coarseness }
+  for key, value in pairs(options.lamp or {}) do sizes[key] = value end
+  local built = lamp.build(sizes)
+  built.name, built.shots = options.name, options.shots
+  built.objects = lamp.objects(built, options.lens)
+  return built
+end
 
-local displays = { t766 = lampyris.display.eizo_t766, srgb = lampyris.display.srgb }
-
-local function lights(built, lit)
+--- The burning bulbs of a shot, with this many samples each.
+function model.lights(built, shot, samples)
   local list = {}
-  for k, it in ipairs(lit) do
+  for k, it in ipairs(shot.lit) do
     list[k] = lampyris.bulb(it.bulb, {
       filament = it.filament,
       center = built.chambers[it.chamber].focus,
-      samples = light_samples,
+      samples = samples,
     })
   end
   return list
 end
 
-local function render(scene, shot)
-  local view = lampyris.view {
-    azimuth = shot.azimuth or 0,
-    distance = 3000,
-    target = { 0, 0, 60 },
-    fov = 6.8,
-    width = width,
-    height = math.max(1, width * 3 // 4),
-  }
-  return scene:render(view, { samples = 4 })
+function model.scene(built, shot, samples)
+  return lampyris.scene { objects = built.objects, lights = model.lights(built, shot, samples) }
 end
+
+--- The view of a shot, this many pixels wide.
+function model.view(shot, width)
+  return lampyris.view {
+    azimuth = shot.azimuth or 0,
+    distance = 3000, target = { 0, 0, 60 }, fov = 6.8,
+    width = width, height = math.max(1, width * 3 // 4),
+  }
+end
+
+local displays = { t766 = lampyris.display.eizo_t766, srgb = lampyris.display.srgb }
 
 --- PNGs for both displays; `white` is the luminance that display white stands for.
 local function save_pngs(image, name, white)
@@ -53,28 +66,22 @@ local function save_pngs(image, name, white)
   end
 end
 
---- Builds, lights, renders and saves; returns the images by shot name.
+--- Renders each shot, and saves it as EXR and as PNG for the paper's display and for sRGB.
+-- The script's arguments: picture width, mesh coarseness, light samples a bulb.
 function model.render(options)
-  local sizes = { coarseness = coarseness }
-  for key, value in pairs(options.lamp or {}) do
-    sizes[key] = value
-  end
-  local built = lamp.build(sizes)
-  print(("%s: %d triangles"):format(options.name, built.triangle_count))
-  local objects = lamp.objects(built, options.lens)
-  local images = {}
+  local width, coarseness = tonumber(arg[1]) or 640, tonumber(arg[2]) or 1
+  local samples = tonumber(arg[3]) or 100000
+  local built = model.build(options, coarseness)
+  print(("%s: %d triangles"):format(built.name, built.triangle_count))
   local scenes = {} -- one for all shots of the same burning bulbs
-  for _, shot in ipairs(options.shots) do
-    local name = options.name .. "_" .. shot.name
-    scenes[shot.lit] = scenes[shot.lit]
-      or lampyris.scene { objects = objects, lights = lights(built, shot.lit) }
-    local image = render(scenes[shot.lit], shot)
+  for _, shot in ipairs(built.shots) do
+    scenes[shot.lit] = scenes[shot.lit] or model.scene(built, shot, samples)
+    local image = scenes[shot.lit]:render(model.view(shot, width), { samples = 4 })
+    local name = built.name .. "_" .. shot.name
     print(("%s: %.1f s"):format(name, image.stats.seconds))
     image:save(name .. ".exr")
     save_pngs(image, name, shot.white)
-    images[shot.name] = image
   end
-  return images
 end
 
 return model

@@ -7,7 +7,7 @@ local model = require "model"
 
 local stop = { { chamber = 2, bulb = "P21/5W" } }
 
-model.render {
+local options = {
   name = "model1",
   lens = "red",
   shots = {
@@ -15,3 +15,6 @@ model.render {
     { name = "15", lit = stop, azimuth = 15, white = 7 },
   },
 }
+
+if not ... then model.render(options) end -- not for a script that requires this one
+return options

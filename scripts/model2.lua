@@ -4,7 +4,7 @@
 
 local model = require "model"
 
-model.render {
+local options = {
   name = "model2",
   lens = "red",
   lamp = {
@@ -14,3 +14,6 @@ model.render {
   },
   shots = { { name = "00", lit = { { chamber = 2, bulb = "P21W" } }, white = 6 } },
 }
+
+if not ... then model.render(options) end -- not for a script that requires this one
+return options

@@ -4,7 +4,7 @@
 
 local model = require "model"
 
-model.render {
+local options = {
   name = "model3",
   lens = "light_amber", -- an amber lens for white bulbs makes an amber bulb too red for UN R48
   lamp = {
@@ -14,3 +14,6 @@ model.render {
   },
   shots = { { name = "turn", lit = { { chamber = 2, bulb = "PY21W" } }, white = 25 } },
 }
+
+if not ... then model.render(options) end -- not for a script that requires this one
+return options

@@ -5,7 +5,7 @@
 
 local model = require "model"
 
-model.render {
+local options = {
   name = "model4",
   lens = "red",
   lamp = {
@@ -27,3 +27,6 @@ model.render {
     { name = "turn", lit = { { chamber = 2, bulb = "PY21/5W" } }, white = 3.5 },
   },
 }
+
+if not ... then model.render(options) end -- not for a script that requires this one
+return options

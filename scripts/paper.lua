@@ -1,4 +1,4 @@
---- What the scripts of the paper's figures and tables share: reports, and the lamps of Table 5.
+--- What the scripts of the paper's figures and tables share: reports and lists of numbers.
 --
 --   local report = paper.report("fig9", "Spectra of bulb, reflector and lens")
 --   report:figure("fig9", lampyris.figure { … }, "what it shows")  -- fig9.png, fig9.svg
@@ -9,7 +9,7 @@
 -- "tiny" makes every script small enough for a test.
 
 local lampyris = require "lampyris"
-local lamp = require "lamp"
+local model = require "model"
 
 local paper = { reports = {} }
 
@@ -148,47 +148,11 @@ function paper.spectrum_points(spectrum, normalized)
   return paper.map(values, function(value, k) return { 375 + 5 * k, value / largest } end)
 end
 
--- The lamps. -------------------------------------------------------------------------------------
+-- Pictures. --------------------------------------------------------------------------------------
 
---- What a model script hands to model.render: { name, lens, lamp, shots }.
-function paper.lamp(name)
-  local model = require "model"
-  local render, options = model.render, nil
-  model.render = function(given) options = given end
-  require(name)
-  model.render = render
-  paper.lamps[name] = paper.lamps[name] or options
-  return paper.lamps[name]
-end
-
-paper.lamps = {}
-
---- lamp.build for a model, with edges `coarseness` times as long.
-function paper.build(options, coarseness)
-  local sizes = { coarseness = coarseness }
-  for key, value in pairs(options.lamp or {}) do sizes[key] = value end
-  return lamp.build(sizes)
-end
-
---- The burning bulbs of a shot, with this many samples each.
-function paper.lights(built, shot, samples)
-  return paper.map(shot.lit, function(it)
-    return lampyris.bulb(it.bulb, {
-      filament = it.filament,
-      center = built.chambers[it.chamber].focus,
-      samples = samples,
-    })
-  end)
-end
-
---- The model scripts' view, this many pixels wide.
-function paper.view(shot, width)
-  return lampyris.view {
-    azimuth = shot.azimuth or 0,
-    distance = 3000, target = { 0, 0, 60 }, fov = 6.8,
-    width = width, height = width * 3 // 4,
-  }
-end
+-- The lamps by their old names, for tradeoff.lua.
+paper.lamp, paper.build, paper.lights, paper.view =
+  require, model.build, model.lights, model.view
 
 --- From luminance to sRGB's cd/m², so that `white` becomes white.
 function paper.exposure(white)

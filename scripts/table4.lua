@@ -21,4 +21,4 @@ end
 
 local report = paper.report("table4", "Table 4: parameters of reflector and lens")
 report:table({ "", "reflector", "paper", "lens", "paper" }, rows)
-report:note(("%d of %d parameters differ from the paper's."):format(different, #rows))
+report:compare("parameters that differ", different, 0)

@@ -2,6 +2,7 @@
 --
 --   lampyris run scripts/table5.lua [-- tiny]
 
+local model = require "model"
 local paper = require "paper"
 
 local coarseness = paper.size(1, 6)
@@ -10,10 +11,10 @@ local printed = { model1 = "P21W/5W", model2 = "P21W", model3 = "PY21W", model4 
 
 local rows = {}
 for k = 1, 4 do
-  local options = paper.lamp("model" .. k)
-  local built = paper.build(options, coarseness)
+  local options = require("model" .. k)
+  local built = model.build(options, coarseness)
   local shots = paper.map(options.shots, function(shot) return shot.name end)
-  local lit = paper.lights(built, options.shots[1], 1)[1]
+  local lit = model.lights(built, options.shots[1], 1)[1]
   table.insert(rows, {
     k, options.shots[1].lit[1].bulb, printed[options.name], "aluminium", lenses[options.lens],
     built.triangle_count, lit.flux, table.concat(shots, ", "),

@@ -48,10 +48,54 @@ fn assert_draws(name: &str) {
     }
 }
 
+/// A lamp of Table 5 and one of its views.
+const MODELS: [(&str, &str); 4] =
+    [("model1", "15"), ("model2", "00"), ("model3", "turn"), ("model4", "tail")];
+
+/// Scripts that draw a figure of their own name.
+const FIGURES: [&str; 13] = [
+    "fig1",
+    "fig3",
+    "fig5",
+    "fig6",
+    "fig7",
+    "fig8",
+    "fig9",
+    "fig10",
+    "fig11",
+    "fig8_samples",
+    "glare",
+    "start_points",
+    "tradeoff",
+];
+
+/// Scripts that print tables.
+const TABLES: [&str; 5] = ["table2", "table3", "table4", "table5", "stability"];
+
+/// What the others require, and the page of them all.
+const SHARED: [&str; 8] =
+    ["all", "closed_form", "crt", "lamp", "model", "paper", "prediction", "sheet"];
+
+#[test]
+fn every_script_has_its_test() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts");
+    let entries = std::fs::read_dir(folder).expect("a folder of scripts");
+    let paths = entries.map(|entry| entry.expect("an entry").path());
+    let mut scripts: Vec<String> = paths
+        .filter(|path| path.extension().is_some_and(|ending| ending == "lua"))
+        .map(|path| path.file_stem().expect("a name").to_string_lossy().into_owned())
+        .collect();
+    scripts.sort();
+    let models = MODELS.iter().map(|(name, _)| name);
+    let mut run: Vec<&str> =
+        models.chain(&FIGURES).chain(&TABLES).chain(&SHARED).copied().collect();
+    run.sort_unstable();
+    assert_eq!(scripts, run);
+}
+
 #[test]
 fn models_render() {
-    for (name, view) in [("model1", "15"), ("model2", "00"), ("model3", "turn"), ("model4", "tail")]
-    {
+    for (name, view) in MODELS {
         let output = run(name, &["32", "6", "100"]);
         assert!(output.has(&format!("{name}_{view}.exr")), "{name}");
         assert!(output.has(&format!("{name}_{view}_srgb.png")), "{name}");
@@ -60,29 +104,27 @@ fn models_render() {
 
 #[test]
 fn figures_are_drawn() {
-    for name in [
-        "fig1",
-        "fig3",
-        "fig5",
-        "fig6",
-        "fig7",
-        "fig8",
-        "fig9",
-        "fig10",
-        "fig11",
-        "fig8_samples",
-        "glare",
-        "start_points",
-        "tradeoff",
-    ] {
-        assert_draws(name);
-    }
+    FIGURES.into_iter().for_each(assert_draws);
 }
 
 #[test]
 fn tables_are_printed() {
-    for name in ["table2", "table3", "table4", "table5", "stability"] {
+    for name in TABLES {
         run(name, &["tiny"]);
+    }
+}
+
+/// The script fails by itself where an extreme is off; its table tells that it looked at all.
+#[test]
+fn the_extremes_hold() {
+    let output = run("stability", &["tiny"]);
+    let table = std::fs::read_to_string(output.0.join("stability.csv")).expect("a table");
+    let rows: Vec<&str> = table.lines().skip(1).collect();
+    assert!(rows.len() >= 23, "{table}");
+    for row in rows {
+        let cells: Vec<f64> = row.rsplitn(4, ',').filter_map(|cell| cell.parse().ok()).collect();
+        let [allowed, worst, cases] = cells[..] else { panic!("{row}") };
+        assert!(cases >= 1.0 && worst <= allowed && allowed <= 0.01, "{row}");
     }
 }
 

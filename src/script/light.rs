@@ -100,11 +100,10 @@ pub(super) fn placed(light: LuaLight, transform: Value) -> mlua::Result<LuaLight
 }
 
 fn from_tables(mut arguments: Arguments) -> mlua::Result<LuaLight> {
-    const EXPECTED: &str = "a list of {x, y, z}";
     let options = arguments.options(&["directions", "flux", "positions", "spectrum"])?;
     let object = options.object();
-    let positions = options.required_list("positions", EXPECTED)?;
-    let directions = options.required_list("directions", EXPECTED)?;
+    let positions = options.required_vectors("positions")?;
+    let directions = options.required_vectors("directions")?;
     if positions.len() != directions.len() || positions.is_empty() {
         let problem = format!(
             "{} positions and {} directions, expected as many of each, and one or more",
@@ -116,11 +115,8 @@ fn from_tables(mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let fluxes = fluxes(&options, positions.len())?;
     let mut samples = Vec::with_capacity(positions.len());
     for (at, (position, direction)) in positions.iter().zip(&directions).enumerate() {
-        let place = format!("entry {}", at + 1);
-        let position = options::vector(object, &format!("\"positions\" {place}"), position)?;
-        let what = format!("\"directions\" {place}");
-        let direction = options::vector(object, &what, direction)?;
         let Some(unit) = direction.try_normalize() else {
+            let what = format!("\"directions\" entry {}", at + 1);
             return Err(Error::out_of_range(object, &what, direction, "any direction").into());
         };
         samples.push(RaySample {

@@ -59,15 +59,11 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
 
 fn from_tables(mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let options = arguments.options(&["normals", "positions", "smooth", "triangles"])?;
-    let positions = vectors(&options, "positions")?.ok_or_else(|| Error::MissingKey {
-        object: options.object().to_owned(),
-        key: "positions".to_owned(),
-        expected: "expected a list of {x, y, z}".to_owned(),
-    })?;
+    let positions = options.required_vectors("positions")?;
     let triangles = triangles(&options, positions.len())?;
     let smooth = options.flag("smooth", true)?;
     let mesh = Mesh::smooth(options.object(), positions, triangles)?;
-    let Some(normals) = vectors(&options, "normals")? else {
+    let Some(normals) = options.vectors("normals")? else {
         return Ok(new_handle(mesh, smooth));
     };
     if normals.len() != mesh.positions.len() {
@@ -82,32 +78,21 @@ fn from_tables(mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     Ok(new_handle(Mesh { shading: Shading::PerPosition(unit), ..mesh }, smooth))
 }
 
-fn vectors(options: &Options, key: &str) -> mlua::Result<Option<Vec<DVec3>>> {
-    let Some(list) = options.list(key, "a list of {x, y, z}")? else {
-        return Ok(None);
-    };
-    let entry = |(at, value): (usize, &Value)| {
-        options::vector(options.object(), &format!("\"{key}\" entry {}", at + 1), value)
-    };
-    list.iter().enumerate().map(entry).collect::<mlua::Result<_>>().map(Some)
-}
-
 fn triangles(options: &Options, positions: usize) -> mlua::Result<Vec<[u32; 3]>> {
     const EXPECTED: &str = "a list of {i, j, k}";
-    let entry = |(at, value): (usize, &Value)| -> mlua::Result<[u32; 3]> {
-        let what = format!("\"triangles\" entry {}", at + 1);
-        let corners = options::list(options.object(), &what, value, "{i, j, k}")?;
+    let entry = |what: &str, value: &Value| -> mlua::Result<[u32; 3]> {
+        let corners = options::list(options.object(), what, value, "{i, j, k}")?;
         let [a, b, c] = corners.as_slice() else {
             let problem = format!("{what} has {} entries, expected {{i, j, k}}", corners.len());
             return Err(Error::inconsistent(options.object(), problem).into());
         };
         let index = |value: &Value| {
-            options::count(options.object(), &what, value, 1, positions as u64)
+            options::count(options.object(), what, value, 1, positions as u64)
                 .map(|i| (i - 1) as u32)
         };
         Ok([index(a)?, index(b)?, index(c)?])
     };
-    options.required_list("triangles", EXPECTED)?.iter().enumerate().map(entry).collect()
+    options.required_list_of("triangles", EXPECTED, entry)
 }
 
 fn surface(mut arguments: Arguments) -> mlua::Result<LuaMesh> {

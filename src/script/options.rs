@@ -213,6 +213,43 @@ impl Options {
         self.list(key, expected)?.ok_or_else(|| self.missing(key, expected))
     }
 
+    /// The entries of a list, as `entry` reads each and what messages call it.
+    pub fn list_of<T>(
+        &self,
+        key: &str,
+        expected: &str,
+        entry: impl Fn(&str, &Value) -> mlua::Result<T>,
+    ) -> mlua::Result<Option<Vec<T>>> {
+        let what = Self::quoted(key);
+        match self.value(key)? {
+            Value::Nil => Ok(None),
+            value => checked_list(&self.object, &what, &value, expected)?
+                .sequence_values()
+                .enumerate()
+                .map(|(at, value)| entry(&format!("{what} entry {}", at + 1), &value?))
+                .collect::<mlua::Result<_>>()
+                .map(Some),
+        }
+    }
+
+    pub fn required_list_of<T>(
+        &self,
+        key: &str,
+        expected: &str,
+        entry: impl Fn(&str, &Value) -> mlua::Result<T>,
+    ) -> mlua::Result<Vec<T>> {
+        self.list_of(key, expected, entry)?.ok_or_else(|| self.missing(key, expected))
+    }
+
+    /// A list of `{x, y, z}`.
+    pub fn vectors(&self, key: &str) -> mlua::Result<Option<Vec<DVec3>>> {
+        self.list_of(key, "a list of {x, y, z}", |what, value| vector(&self.object, what, value))
+    }
+
+    pub fn required_vectors(&self, key: &str) -> mlua::Result<Vec<DVec3>> {
+        self.vectors(key)?.ok_or_else(|| self.missing(key, "a list of {x, y, z}"))
+    }
+
     pub fn function(&self, key: &str) -> mlua::Result<Option<mlua::Function>> {
         match self.value(key)? {
             Value::Nil => Ok(None),
@@ -321,20 +358,33 @@ pub fn vector(object: &str, what: &str, value: &Value) -> mlua::Result<DVec3> {
 }
 
 /// The entries of a table without other keys.
+///
+/// Each table among them that is held takes a slot of Lua's stack, which has less than 10⁶: long
+/// lists are for [`Options::list_of`].
 pub fn list(object: &str, what: &str, value: &Value, expected: &str) -> mlua::Result<Vec<Value>> {
+    checked_list(object, what, value, expected)?.sequence_values().collect()
+}
+
+/// A table that is a list: without other keys and gaps.
+fn checked_list<'a>(
+    object: &str,
+    what: &str,
+    value: &'a Value,
+    expected: &str,
+) -> mlua::Result<&'a Table> {
     let Value::Table(table) = value else {
         return Err(wrong_type(object, what, value, expected).into());
     };
-    let entries: Vec<Value> = table.sequence_values().collect::<mlua::Result<_>>()?;
     if let Some(key) = first_key(table, |key| !key.is_integer())? {
         let found = format!("{what} has the key \"{key}\"");
         return Err(Error::inconsistent(object, format!("{found}, expected {expected}")).into());
     }
-    if table.pairs::<Value, Value>().count() != entries.len() {
-        let gap = format!("{what} has a gap after entry {}", entries.len());
+    let entries = table.sequence_values::<Value>().count();
+    if table.pairs::<Value, Value>().count() != entries {
+        let gap = format!("{what} has a gap after entry {entries}");
         return Err(Error::inconsistent(object, gap).into());
     }
-    Ok(entries)
+    Ok(table)
 }
 
 /// A spectrum, or a number for a constant one.
