@@ -65,9 +65,9 @@ impl PixelStats {
     ///
     /// A rare highlight that one sample has met by chance would otherwise excuse itself.
     fn scale(&self, lit: f64) -> f64 {
-        let (sum, most) = self.group_means().fold((0.0, 0.0f64), |(sum, most), mean| {
-            (sum + mean, most.max(mean))
-        });
+        let (sum, most) = self
+            .group_means()
+            .fold((0.0, 0.0f64), |(sum, most), mean| (sum + mean, most.max(mean)));
         ((sum - most) / (GROUPS - 1) as f64).max(lit)
     }
 
@@ -154,7 +154,12 @@ impl Film {
         rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
     }
 
-    pub fn into_image(self, view: &View, quality: &Quality, photometry: Photometry) -> SpectralImage {
+    pub fn into_image(
+        self,
+        view: &View,
+        quality: &Quality,
+        photometry: Photometry,
+    ) -> SpectralImage {
         let (error, samples) = match quality.samples {
             Samples::Fixed(_) => (None, None),
             Samples::Adaptive { .. } | Samples::Lit { .. } => {
@@ -189,4 +194,60 @@ fn metadata(view: &View, quality: &Quality) -> Metadata {
     ]
     .map(|(key, value)| (key.to_owned(), value))
     .into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::DVec3;
+
+    fn film(width: usize, height: usize) -> Film {
+        let view = View {
+            azimuth_deg: 0.0,
+            elevation_deg: 0.0,
+            distance_mm: 1.0,
+            target: DVec3::ZERO,
+            fov_deg: 1.0,
+            width,
+            height,
+        };
+        Film::new(&view, 1)
+    }
+
+    fn add(pixel: &mut PixelStats, luminances: impl IntoIterator<Item = f64>) {
+        luminances.into_iter().for_each(|luminance| pixel.add(luminance, 0.0));
+    }
+
+    #[test]
+    fn error_is_that_of_the_mean_of_six_groups() {
+        let mut film = film(1, 1);
+        // Groups of 10 equal samples each, of means 1 to 6: variance 3.5, brightest 6.
+        add(&mut film.pixels[0], (0..60).map(|i| f64::from(i % 6 + 1)));
+        let expected = (3.5f64 / 6.0).sqrt() / 3.0;
+        assert!((film.lit_error() / expected - 1.0).abs() < 1e-12, "{}", film.lit_error());
+    }
+
+    #[test]
+    fn dark_pixels_do_not_count() {
+        let mut film = film(2, 1);
+        add(&mut film.pixels[0], [1.0; 12]);
+        add(&mut film.pixels[1], (0..12).map(|i| 1e-3 * f64::from(i)));
+        assert_eq!(film.lit_error(), 0.0);
+    }
+
+    #[test]
+    fn samples_go_where_they_help() {
+        let mut film = film(9, 1);
+        for (at, pixel) in film.pixels.iter_mut().enumerate() {
+            let spread = if at == 0 { 0.5 } else { 0.01 };
+            add(pixel, (0..60).map(|i| 1.0 + spread * f64::from(i % 2)));
+        }
+        film.plan(2.0, 100_000);
+        let planned: Vec<u32> = film.pixels.iter().map(|pixel| pixel.planned).collect();
+        assert!(planned[0] > 600, "{planned:?}");
+        assert!(planned[1] > planned[0] / 5, "a neighbor has some, too: {planned:?}");
+        assert_eq!(planned[2..], [60; 7], "none is taken away");
+        film.plan(2.0, 100);
+        assert_eq!(film.pixels[0].planned, 100);
+    }
 }
