@@ -70,7 +70,7 @@ end
 -- The script's arguments: picture width, mesh coarseness, light samples a bulb.
 function model.render(options)
   local width, coarseness = tonumber(arg[1]) or 640, tonumber(arg[2]) or 1
-  local samples = tonumber(arg[3]) or 100000
+  local samples = tonumber(arg[3]) or 1000000
   local built = model.build(options, coarseness)
   print(("%s: %d triangles"):format(built.name, built.triangle_count))
   local scenes = {} -- one for all shots of the same burning bulbs

@@ -299,6 +299,40 @@ fn estimates_hold_for_few_samples() {
     check("two thousand", &ball(2100, 1.0), DVec3::ZERO, 1.0, 28);
 }
 
+/// A hit 200 mm from the coil, which sees its middle `elevation` above the horizon.
+fn grazing_hit(elevation: f64, random: &mut Random) -> [DVec3; 3] {
+    let point = random.direction() * 200.0;
+    let to_light = -point.normalize();
+    let across = to_light.cross(random.direction()).normalize();
+    [point, to_light * elevation.sin() + across * elevation.cos(), across]
+}
+
+#[test]
+fn estimates_hold_toward_the_horizon_and_leave_the_samples_alone() {
+    let tree = LightTree::build(&coil(100_000));
+    let mut random = Random(14);
+    let (mut worst, mut most_samples) = (0.0f64, 0);
+    for n_d in [1.0, 1.5, 2.5, 3.5, 5.0, 10.0, 39.0, 41.0] {
+        let lobes = lobes(0.08, n_d, &[(0.92, 1500.0)]);
+        for elevation in [-0.02, 0.001, 0.01, 0.02, 0.03, 0.05, 0.1, 0.3] {
+            let query = query(grazing_hit(elevation, &mut random), &lobes, Photometry::Relative);
+            let exact = tree.sum(&query, 0.0, None);
+            for light_error in [0.1, 0.01] {
+                let sum = tree.sum(&query, light_error, None);
+                let what = format!("{n_d} {elevation} {light_error}");
+                let dark = 1e-13 * brightest(&query, DVec3::ZERO, 3.0);
+                worst = worst.max(check_sides(&sum, &exact, light_error, dark, &what));
+                if elevation > 0.015 {
+                    most_samples = most_samples.max(sum.samples);
+                }
+            }
+        }
+    }
+    println!("horizon: largest true/estimated error {worst:.3}, at most {most_samples} samples");
+    // The cloud is 0.03 rad wide: from there on its nodes are within the lobe.
+    assert!(most_samples < 5000, "{most_samples} of 100,000 samples");
+}
+
 #[test]
 fn an_empty_set_and_one_that_points_away_are_dark() {
     let lobes = lobes(0.5, 1.0, &[(0.5, 100.0)]);

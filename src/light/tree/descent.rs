@@ -124,8 +124,9 @@ impl Descent<'_> {
             is_free
         };
         let visible = self.visible.map(|_| &asked as Visibility);
+        let scratch = state.scratch.get_or_insert_with(|| Box::new(Scratch::new()));
         for block in first..first + per_node {
-            let (sum, samples) = self.blocks.sum(block, self.query, visible, &mut state.scratch);
+            let (sum, samples) = self.blocks.sum(block, self.query, visible, scratch);
             state.exact += sum;
             state.samples += samples;
         }
@@ -215,7 +216,8 @@ struct State {
     exact: f64,
     nodes: u32,
     samples: u32,
-    scratch: Scratch,
+    /// For sums by samples: most hits have none.
+    scratch: Option<Box<Scratch>>,
 }
 
 impl State {
@@ -227,7 +229,7 @@ impl State {
             exact: 0.0,
             nodes: 0,
             samples: 0,
-            scratch: Scratch::new(),
+            scratch: None,
         }
     }
 

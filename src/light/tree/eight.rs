@@ -2,11 +2,15 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use crate::light::sum::lanes::{exp_neg, inverse_sqrt, larger, neg_ln_1m, smaller};
+use crate::light::sum::lanes::{exp_neg, inverse_sqrt, larger, neg_ln, neg_ln_1m, smaller};
 
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(32))]
 pub(super) struct Eight(pub [f32; 8]);
+
+/// Exponents from which a lobe counts near its axis only: e^(−25 n/24) is below
+/// [`super::lobe::NEGLIGIBLE`].
+const STEEP: f32 = 40.0;
 
 /// A vector a lane.
 pub(super) type Vectors = [Eight; 3];
@@ -73,9 +77,13 @@ impl Eight {
         self.map(|v| 1.0 / v)
     }
 
-    /// cosⁿ from sin².
+    /// cosⁿ of an angle given by both: small sines keep their digits in sin², small cosines in
+    /// the cosine.
     #[inline(always)]
-    pub fn cosine_power(sine2: Eight, exponent: f32) -> Eight {
+    pub fn cosine_power((cos, sine2): (Eight, Eight), exponent: f32) -> Eight {
+        if exponent < STEEP {
+            return cos.map(|c| exp_neg(exponent * neg_ln(larger(c, f32::MIN_POSITIVE))));
+        }
         sine2.map(|s| exp_neg(0.5 * exponent * neg_ln_1m(s)))
     }
 
@@ -84,8 +92,6 @@ impl Eight {
     /// cut series would end at e^(−25 n/24).
     #[inline(always)]
     pub fn cosine_power_bound(sine2: Eight, exponent: f32) -> Eight {
-        /// e^(−25 n/24) is below [`super::node::NEGLIGIBLE`] from here on.
-        const STEEP: f32 = 40.0;
         /// Four roundings of a sine² near 1.
         const SLACK: f32 = 2.4e-7;
         if exponent < STEEP {

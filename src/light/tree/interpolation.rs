@@ -2,8 +2,9 @@
 //!
 //! A table bounds the emission from both sides and uses the middle. Where the emission is smooth
 //! the middle is far better than the bounds; where it has kinks (few samples, flat emitters) it
-//! may lie on either. So every node keeps the largest distance found from the middle, relative to
-//! half the distance of the bounds there.
+//! may lie on either. So every node keeps the largest distance found from the middle: relative to
+//! half the distance of the bounds there, which finds a flat emitter's one kink, and by itself,
+//! which is small where many samples' kinks are spread over all directions.
 
 use std::f64::consts::TAU;
 
@@ -18,26 +19,37 @@ const DIRECTIONS: usize = 128;
 /// The largest of a hundred is not the largest of all.
 const SAFETY: f64 = 1.5;
 
-/// Of half the bounds' distance, at most 1.
-pub(super) fn measured_error(
-    groups: &[&[SampleGroup]],
-    flux: f64,
-    table: &[Channels],
-    grid: Grid,
-) -> f64 {
-    let mut largest = 0.0f64;
-    for first in (0..DIRECTIONS).step_by(8) {
-        let directions: [[f32; 3]; 8] = std::array::from_fn(|i| direction(first + i));
-        let bounds = emission_bounds(&directions, table, grid);
-        for (direction, (low, high)) in directions.iter().zip(bounds) {
-            let exact = emission(groups, *direction);
-            let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-            // f32 rounds both sides by about 1e-7.
-            let excess = ((exact - middle).abs() - 1e-6 * flux).max(0.0);
-            largest = largest.max(excess / half.max(1e-7 * flux));
+/// How far a table's middle may lie from the samples' emission: both bound it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TableError {
+    /// Of half the bounds' distance, at most 1.
+    pub share: f64,
+    /// In the unit of the samples' flux.
+    pub largest: f64,
+}
+
+impl TableError {
+    pub fn measure(
+        groups: &[&[SampleGroup]],
+        flux: f64,
+        table: &[Channels],
+        grid: Grid,
+    ) -> TableError {
+        let (mut share, mut largest) = (0.0f64, 0.0f64);
+        for first in (0..DIRECTIONS).step_by(8) {
+            let directions: [[f32; 3]; 8] = std::array::from_fn(|i| direction(first + i));
+            let bounds = emission_bounds(&directions, table, grid);
+            for (direction, (low, high)) in directions.iter().zip(bounds) {
+                let exact = emission(groups, *direction);
+                let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+                // f32 rounds both sides by about 1e-7.
+                let excess = ((exact - middle).abs() - 1e-6 * flux).max(0.0);
+                share = share.max(excess / half.max(1e-7 * flux));
+                largest = largest.max((exact - middle).abs());
+            }
         }
+        TableError { share: (SAFETY * share + 0.05).min(1.0), largest: SAFETY * largest }
     }
-    (SAFETY * largest + 0.05).min(1.0)
 }
 
 /// Evenly over the sphere.

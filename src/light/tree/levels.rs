@@ -1,27 +1,29 @@
 //! The nodes of the tree: every level halves the one above three times, eight children a node.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
 use super::blocks::Blocks;
 use super::eight::{Eight, Vectors};
-use super::interpolation::measured_error;
+use super::interpolation::TableError;
 use super::moments::Channels;
 use super::octahedron::Grid;
-use super::table::{CellSamples, RawTable, finish_tables};
+use super::table::{CellSamples, RawTable};
 use crate::light::sum::block::Block;
 
 /// Sets of fewer blocks (about 2000 samples) are summed as fast without tables.
 const FEWEST_BLOCKS_DEPTH: u32 = 3;
 
-/// Levels of more nodes have no tables: memory grows by 5 kB a node.
+/// Levels of more nodes have no tables: memory grows by 11 kB a node.
 const MOST_NODES: usize = 4096;
 
-/// Up to this many nodes the grid is fine, since most hits end there.
+/// Up to this many nodes tables keep all of their grid, since most hits end there; beyond, every
+/// other vertex of a row and every other row.
 const MOST_FINE_NODES: usize = 512;
 
 const FINE: Grid = Grid { cells: 24 };
-const COARSE: Grid = Grid { cells: 16 };
 
 /// Eight siblings. A lane without a node has flux 0.
 #[derive(Debug, Clone, Copy)]
@@ -30,9 +32,12 @@ pub(super) struct Octet {
     pub center: Vectors,
     /// Of spheres about the centers that hold the samples.
     pub radius: Eight,
+    /// Of boxes about the centers that hold the samples.
+    pub half_size: Vectors,
     pub flux: Eight,
-    /// Of the table, see [`measured_error`].
-    pub interpolation: Eight,
+    /// See [`TableError`].
+    pub error_share: Eight,
+    pub largest_error: Eight,
 }
 
 /// Nodes of equal depth.
@@ -47,6 +52,15 @@ pub(super) struct Level {
 }
 
 impl Level {
+    fn new(built: &[BuiltOctet], size: LevelSize, tree_center: DVec3) -> Level {
+        Level {
+            octets: built.iter().map(|octet| octet.octet(tree_center)).collect(),
+            grid: size.grid(),
+            tables: built.iter().flat_map(|octet| octet.tables.iter().copied()).collect(),
+            blocks_per_node: size.blocks_per_node,
+        }
+    }
+
     /// Of an octet's nodes, one after the other.
     pub fn tables(&self, octet: usize) -> &[Channels] {
         let stride = self.grid.vertices() * 8;
@@ -74,14 +88,14 @@ impl Levels {
         let center = super::blocks::box_center(blocks.blocks.iter().map(|block| block.center));
         // The first level takes what is left over, so that all others are whole octets.
         let first = if depth.is_multiple_of(3) { 3 } else { depth % 3 };
-        let bits: Vec<u32> =
-            (first..=depth).step_by(3).filter(|bits| 1usize << bits <= MOST_NODES).collect();
-        let mut below: Option<Nodes> = None;
+        let depths = (first..=depth).step_by(3).filter(|bits| 1usize << bits <= MOST_NODES);
         let mut levels = Vec::new();
-        for bits in bits.into_iter().rev() {
-            let nodes = Nodes::build(blocks, 1 << bits, below.take());
-            levels.push(nodes.to_level(blocks, center));
-            below = Some(nodes);
+        let mut cells = None;
+        for bits in depths.collect::<Vec<u32>>().into_iter().rev() {
+            let size = LevelSize { nodes: 1 << bits, blocks_per_node: blocks.blocks.len() >> bits };
+            let built = BuiltOctet::all(blocks, size, cells.as_deref());
+            levels.push(Level::new(&built, size, center));
+            cells = Some(built.into_iter().map(|octet| octet.parent).collect::<Vec<Cell>>());
         }
         levels.reverse();
         let flux =
@@ -97,109 +111,130 @@ impl Levels {
     }
 }
 
-/// A level while the one above may still need it.
-struct Nodes {
-    grid: Grid,
-    places: Vec<Place>,
-    raw: Vec<RawTable>,
+#[derive(Debug, Clone, Copy)]
+struct LevelSize {
+    nodes: usize,
     blocks_per_node: usize,
 }
 
-impl Nodes {
-    /// From the level below where that has the same grid, else from the samples.
-    fn build(blocks: &Blocks, count: usize, below: Option<Nodes>) -> Nodes {
-        let blocks_per_node = blocks.blocks.len() / count;
-        let grid = if count <= MOST_FINE_NODES { FINE } else { COARSE };
-        let places: Vec<Place> =
-            (0..count).into_par_iter().map(|i| Place::of(blocks, i, blocks_per_node)).collect();
-        let raw = match below.filter(|below| below.grid == grid) {
-            Some(below) => (0..count).into_par_iter().map(|i| below.merge(i, &places[i])).collect(),
-            None => places
-                .par_iter()
-                .enumerate()
-                .map(|(i, place)| cell_samples(blocks, i * blocks_per_node, blocks_per_node, place))
-                .map(|cell| RawTable::from_samples(&cell, grid))
-                .collect(),
+impl LevelSize {
+    /// Of the tables that stay; all are built on [`FINE`].
+    fn grid(self) -> Grid {
+        if self.nodes <= MOST_FINE_NODES { FINE } else { Grid { cells: FINE.cells / 2 } }
+    }
+
+    fn blocks_of(self, blocks: &Blocks, nodes: Range<usize>) -> &[Block] {
+        &blocks.blocks[nodes.start * self.blocks_per_node..nodes.end * self.blocks_per_node]
+    }
+}
+
+/// A node while the tables above it are built.
+struct Cell {
+    place: Place,
+    raw: RawTable,
+}
+
+impl Cell {
+    fn from_samples(blocks: &Blocks, own: &[Block]) -> Cell {
+        let place = Place::of(blocks, own);
+        let shifted = |block: &Block| {
+            (blocks.groups_of(block), (block.center - place.center).as_vec3().into())
         };
-        Nodes { grid, places, raw, blocks_per_node }
+        let samples = CellSamples { blocks: own.iter().map(shifted).collect() };
+        Cell { raw: RawTable::from_samples(&samples, FINE), place }
     }
 
-    /// Eight of these nodes as one at `place`.
-    fn merge(&self, parent: usize, place: &Place) -> RawTable {
-        let range = parent * 8..(parent + 1) * 8;
-        let shift = |child: &Place| (child.center - place.center).into();
-        let shifts: Vec<[f64; 3]> = self.places[range.clone()].iter().map(shift).collect();
-        RawTable::from_children(&self.raw[range], &shifts)
+    fn from_children(blocks: &Blocks, own: &[Block], children: &[Cell]) -> Cell {
+        let place = Place::of(blocks, own);
+        let shift = |child: &Cell| (child.place.center - place.center).into();
+        let shifted = children.iter().map(|child| (&child.raw, shift(child)));
+        Cell { raw: RawTable::from_children(shifted), place }
+    }
+}
+
+/// Eight siblings, and what the level above needs of them.
+struct BuiltOctet {
+    places: Vec<Place>,
+    errors: Vec<TableError>,
+    tables: Vec<Channels>,
+    parent: Cell,
+}
+
+impl BuiltOctet {
+    /// A level, from `cells` if those below made them.
+    fn all(blocks: &Blocks, size: LevelSize, cells: Option<&[Cell]>) -> Vec<BuiltOctet> {
+        let build = |octet: usize| {
+            let nodes = octet * 8..size.nodes.min(octet * 8 + 8);
+            match cells {
+                Some(cells) => BuiltOctet::new(blocks, size, nodes.clone(), &cells[nodes]),
+                None => {
+                    let own = |node| size.blocks_of(blocks, node..node + 1);
+                    let cells: Vec<Cell> =
+                        nodes.clone().map(|node| Cell::from_samples(blocks, own(node))).collect();
+                    BuiltOctet::new(blocks, size, nodes, &cells)
+                }
+            }
+        };
+        (0..size.nodes.div_ceil(8)).into_par_iter().map(build).collect()
     }
 
-    fn to_level(&self, blocks: &Blocks, tree_center: DVec3) -> Level {
-        let tables = finish_tables(&self.raw);
-        let errors: Vec<f64> = tables
-            .par_chunks(self.grid.vertices())
-            .zip(&self.places)
-            .enumerate()
-            .map(|(node, (table, place))| {
-                let range = node * self.blocks_per_node..(node + 1) * self.blocks_per_node;
-                let groups: Vec<_> =
-                    blocks.blocks[range].iter().map(|block| blocks.groups_of(block)).collect();
-                measured_error(&groups, place.flux, table, self.grid)
-            })
-            .collect();
-        let octets = self.places.chunks(8).zip(errors.chunks(8));
-        Level {
-            octets: octets.map(|(places, errors)| octet(places, errors, tree_center)).collect(),
-            grid: self.grid,
+    fn new(blocks: &Blocks, size: LevelSize, nodes: Range<usize>, cells: &[Cell]) -> BuiltOctet {
+        let grid = size.grid();
+        let tables: Vec<Channels> =
+            cells.iter().flat_map(|cell| cell.raw.finish(FINE, grid)).collect();
+        let error = |((node, cell), table): ((usize, &Cell), &[Channels])| {
+            let own = size.blocks_of(blocks, node..node + 1).iter();
+            let groups: Vec<_> = own.map(|block| blocks.groups_of(block)).collect();
+            TableError::measure(&groups, cell.place.flux, table, grid)
+        };
+        let with_tables = nodes.clone().zip(cells).zip(tables.chunks(grid.vertices()));
+        BuiltOctet {
+            places: cells.iter().map(|cell| cell.place).collect(),
+            errors: with_tables.map(error).collect(),
             tables,
-            blocks_per_node: self.blocks_per_node,
+            parent: Cell::from_children(blocks, size.blocks_of(blocks, nodes), cells),
+        }
+    }
+
+    fn octet(&self, tree_center: DVec3) -> Octet {
+        // Empty lanes lie where the first node is, whose table they read.
+        let places = &self.places;
+        let place = |lane: usize| places.get(lane).unwrap_or(&places[0]);
+        let lanes = |f: &dyn Fn(&Place) -> f64| Eight(std::array::from_fn(|i| f(place(i)) as f32));
+        let errors = |f: &dyn Fn(&TableError) -> f64| {
+            Eight(std::array::from_fn(|i| self.errors.get(i).map_or(1.0, f) as f32))
+        };
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        // f32 rounds center and offsets: let sphere and box hold the rounded ones.
+        let grown =
+            |size: f64, p: &Place| size * (1.0 + 1e-5) + 1e-7 * p.center.distance(tree_center);
+        Octet {
+            center: axes.map(|axis| lanes(&|p| (p.center - tree_center).dot(axis))),
+            radius: lanes(&|p| grown(p.radius, p)),
+            half_size: axes.map(|axis| lanes(&|p| grown(p.half_size.dot(axis), p))),
+            flux: Eight(std::array::from_fn(|i| places.get(i).map_or(0.0, |p| p.flux as f32))),
+            error_share: errors(&|e| e.share),
+            largest_error: errors(&|e| e.largest),
         }
     }
 }
 
+#[derive(Debug, Clone, Copy)]
 struct Place {
     center: DVec3,
+    half_size: DVec3,
     radius: f64,
     flux: f64,
 }
 
 impl Place {
-    fn of(blocks: &Blocks, node: usize, blocks_per_node: usize) -> Place {
-        let range = node * blocks_per_node..(node + 1) * blocks_per_node;
-        let samples = || blocks.blocks[range.clone()].iter().flat_map(|b| blocks.samples_of(b));
+    fn of(blocks: &Blocks, own: &[Block]) -> Place {
+        let samples = || own.iter().flat_map(|block| blocks.samples_of(block));
         let positions = || samples().map(|s| DVec3::from(s.position.map(f64::from)));
         let center = super::blocks::box_center(positions());
         let radius = positions().map(|p| p.distance(center)).fold(0.0, f64::max);
         let flux = samples().map(|sample| f64::from(sample.flux)).sum();
-        Place { center, radius, flux }
-    }
-}
-
-fn cell_samples<'a>(
-    blocks: &'a Blocks,
-    first: usize,
-    count: usize,
-    place: &Place,
-) -> CellSamples<'a> {
-    let shifted = |block: &'a Block| {
-        let shift = block.center - place.center;
-        (blocks.groups_of(block), shift.as_vec3().into())
-    };
-    CellSamples { blocks: blocks.blocks[first..first + count].iter().map(shifted).collect() }
-}
-
-fn octet(places: &[Place], errors: &[f64], tree_center: DVec3) -> Octet {
-    // Empty lanes lie where the first node is, whose table they read.
-    let place = |lane: usize| places.get(lane).unwrap_or(&places[0]);
-    let lanes = |f: &dyn Fn(&Place) -> f64| Eight(std::array::from_fn(|i| f(place(i)) as f32));
-    let flux = Eight(std::array::from_fn(|i| places.get(i).map_or(0.0, |p| p.flux as f32)));
-    Octet {
-        center: [
-            lanes(&|p| p.center.x - tree_center.x),
-            lanes(&|p| p.center.y - tree_center.y),
-            lanes(&|p| p.center.z - tree_center.z),
-        ],
-        // f32 rounds center and offsets: let the sphere hold the rounded ones.
-        radius: lanes(&|p| p.radius * (1.0 + 1e-5) + 1e-7 * (p.center - tree_center).length()),
-        flux,
-        interpolation: Eight(std::array::from_fn(|i| errors.get(i).map_or(1.0, |e| *e as f32))),
+        let half_size = positions().map(|p| (p - center).abs()).fold(DVec3::ZERO, DVec3::max);
+        Place { center, half_size, radius, flux }
     }
 }

@@ -5,6 +5,7 @@ mod descent;
 mod eight;
 mod interpolation;
 mod levels;
+mod lobe;
 mod moments;
 mod node;
 mod octahedron;

@@ -10,14 +10,15 @@
 //! 3 with the inverse square. Left out, and so estimated:
 //! - the third order of G: its derivative at c̄ times the norm of the third central moment;
 //! - the fourth: the largest derivative over the cone in which the hit sees the node, times the
-//!   largest |s − c̄|² times the trace of C;
+//!   covariance times the square of what the node's box reaches that way;
 //! - the correlation of τ with ∇G·(s − c̄), and the samples that τ turns toward or away;
 //! - interpolation: E is convex on the octahedron's faces, so it lies between the blended tangents
-//!   and the interpolated values. Their mean is used, and that part of half their difference that
-//!   was measured while building.
+//!   and the interpolated values. Their mean is used; how far it may be off was measured while
+//!   building.
 
 use super::eight::{Eight, Vectors, dot, dot_one, scaled, transposed, turned, vectors};
 use super::levels::Octet;
+use super::lobe::{INWARD, LobeSums, sum_lobes};
 use super::moments::{
     CHANNELS, Channels, EMISSION, GRADIENT, MEAN, PAIRS, PARALLAX, PARALLAX2, SKEWNESS, SPREAD,
 };
@@ -37,7 +38,7 @@ pub(super) struct NodeQuery<'a> {
 
 impl NodeQuery<'_> {
     /// k of (R/r)^k.
-    fn falloff(&self) -> f32 {
+    pub fn falloff(&self) -> f32 {
         if self.inverse_square { 3.0 } else { 1.0 }
     }
 }
@@ -54,19 +55,8 @@ pub(super) struct NodeSums {
 /// Radius over distance from which a node is too near for its table.
 const NEAREST: f32 = 0.3;
 
-/// A Taylor remainder weighs the derivative at t of the way to a sample with 4 (1 − t)³, 1/5 on
-/// average. For a derivative that grows as e^(at), this is less than its value at 0.4 up to a = 10.
-const INWARD: f32 = 0.4;
-
-/// Beyond this a, only the lobe's largest value bounds what a few samples near the axis send.
-const STEEPEST: f32 = 8.0;
-
 /// Of directions in f32, rad.
 const ROUNDING: f32 = 4e-7;
-
-/// A lobe below e^−40 is not worth an expansion; its bound then is this fraction of its weight.
-const NEGLIGIBLE_EXPONENT: f32 = 40.0;
-const NEGLIGIBLE: f32 = 4.3e-18;
 
 pub(super) fn eval_octet(
     octet: &Octet,
@@ -99,14 +89,14 @@ fn kernel(octet: &Octet, (grid, table): (Grid, &[Channels]), query: &NodeQuery) 
     let to_center: Vectors = vectors(|axis| octet.center[axis] + -query.point[axis]);
     let inverse_distance = dot(&to_center, &to_center).inverse_sqrt();
     let outward = scaled(&to_center, -inverse_distance);
-    let emission = Emission::look_up(&outward, octet.interpolation, grid, table);
-    let cloud = Cloud::new(&to_center, octet.radius, &emission);
+    let emission = Emission::look_up(&outward, octet, (grid, table));
+    let cloud = Cloud::new(&to_center, octet, &emission);
     let lobes = sum_lobes(&cloud, query);
 
     let falloff = falloff(&cloud, inverse_distance, query.inverse_square);
     let parallax = emission.parallax * inverse_distance;
     let value = ((emission.middle - parallax) * lobes.value * falloff).at_least(0.0);
-    let error = falloff * total_error(&emission, &cloud, &lobes, (octet, inverse_distance, grid));
+    let error = falloff * total_error(&emission, &lobes, (octet, inverse_distance, grid));
 
     // f32 rounds the hit's and the node's places by their size.
     let size = dot(&octet.center, &octet.center).rough_sqrt();
@@ -144,7 +134,7 @@ fn near_bound(octet: &Octet, inverse_distance: Eight, query: &NodeQuery) -> Eigh
 struct Emission {
     /// Between the two bounds of E.
     middle: Eight,
-    /// Measured part of half the bounds' distance.
+    /// Of `middle`, see [`super::interpolation::TableError`].
     uncertainty: Eight,
     /// Interpolated E, consistent with the moments.
     total: Eight,
@@ -158,12 +148,7 @@ struct Emission {
 
 impl Emission {
     #[inline(always)]
-    fn look_up(
-        outward: &Vectors,
-        interpolation: Eight,
-        grid: Grid,
-        table: &[Channels],
-    ) -> Emission {
+    fn look_up(outward: &Vectors, octet: &Octet, (grid, table): (Grid, &[Channels])) -> Emission {
         let l1 = (outward[0].abs() + outward[1].abs() + outward[2].abs()).at_least(1e-30);
         let inverse = l1.recip();
         let on_octahedron = scaled(outward, inverse);
@@ -179,7 +164,7 @@ impl Emission {
         }
         Emission {
             middle: ((total + tangent) * 0.5).at_least(0.0),
-            uncertainty: (total - tangent) * 0.5 * interpolation,
+            uncertainty: ((total - tangent) * 0.5 * octet.error_share).smaller(octet.largest_error),
             total,
             mean,
             covariance,
@@ -215,32 +200,35 @@ fn interpolate(at: &Vectors, grid: Grid, tables: &[Channels]) -> [Eight; CHANNEL
 }
 
 /// The samples of a node as the hit sees them.
-struct Cloud {
+pub(super) struct Cloud {
     /// Unit, from the hit to the mean place.
-    direction: Vectors,
-    inverse_distance: Eight,
+    pub direction: Vectors,
+    pub inverse_distance: Eight,
     /// Largest distance of a sample from the mean place, over the hit's distance.
-    cone: Eight,
+    pub cone: Eight,
     /// 2 sin(α/2) of the cone that holds the samples, for `cone` up to [`NEAREST`].
-    chord: Eight,
+    pub chord: Eight,
     /// 1/(1 − 0.4 cone): how much nearer samples are than their mean, see [`INWARD`].
-    nearness: Eight,
+    pub nearness: Eight,
     /// Norm of the third central moment, over Σ w.
-    skewness: Eight,
-    covariance: [Eight; 6],
+    pub skewness: Eight,
+    /// From the node's center to the mean place, and half its box.
+    mean: Vectors,
+    half_size: Vectors,
+    pub covariance: [Eight; 6],
     /// C·direction.
-    along: Vectors,
-    trace: Eight,
+    pub along: Vectors,
+    pub trace: Eight,
 }
 
 impl Cloud {
     #[inline(always)]
-    fn new(to_center: &Vectors, radius: Eight, emission: &Emission) -> Cloud {
+    fn new(to_center: &Vectors, octet: &Octet, emission: &Emission) -> Cloud {
         let mean = &emission.mean;
         let to_mean = vectors(|axis| to_center[axis] + mean[axis]);
         let inverse_distance = dot(&to_mean, &to_mean).inverse_sqrt();
         let direction = scaled(&to_mean, inverse_distance);
-        let reach = radius + dot(mean, mean).rough_sqrt().smaller(radius);
+        let reach = octet.radius + dot(mean, mean).rough_sqrt().smaller(octet.radius);
         let cone = reach * inverse_distance;
         let nearness = (cone * -INWARD + 1.0).at_least(0.5).recip();
         let along = turned(&emission.covariance, &direction);
@@ -252,151 +240,38 @@ impl Cloud {
             chord: cone * 1.03, // 2 sin(asin(x)/2) < 1.03 x up to x = 0.45
             nearness,
             skewness: emission.skewness * emission.total.at_least(f32::MIN_POSITIVE).recip(),
+            mean: *mean,
+            half_size: octet.half_size,
             covariance: emission.covariance,
             along,
             trace: trace.at_least(0.0),
         }
     }
 
+    /// Mean of ((s − c̄)·v)².
     #[inline(always)]
-    fn cos_normal(&self, query: &NodeQuery) -> Eight {
+    pub fn spread_along(&self, v: &Vectors) -> Eight {
+        dot(v, &turned(&self.covariance, v)).at_least(0.0)
+    }
+
+    /// The same along the line of sight.
+    #[inline(always)]
+    pub fn radial(&self) -> Eight {
+        dot(&self.direction, &self.along).at_least(0.0).smaller(self.trace)
+    }
+
+    /// Largest |(s − c̄)·v|.
+    #[inline(always)]
+    pub fn reach_along(&self, v: &Vectors) -> Eight {
+        let size = &self.half_size;
+        let of_box = v[0].abs() * size[0] + v[1].abs() * size[1] + v[2].abs() * size[2];
+        of_box + dot(v, &self.mean).abs()
+    }
+
+    #[inline(always)]
+    pub fn cos_normal(&self, query: &NodeQuery) -> Eight {
         dot_one(&self.direction, query.normal)
     }
-}
-
-/// Sums over lobes.
-struct LobeSums {
-    /// With the second order.
-    value: Eight,
-    /// Of `value`: the third order.
-    error: Eight,
-    /// Without any order above 0.
-    at_mean: Eight,
-    /// |∇G| times the distance.
-    slope: Eight,
-}
-
-#[inline(always)]
-fn sum_lobes(cloud: &Cloud, query: &NodeQuery) -> LobeSums {
-    let zero = Eight::ZERO;
-    let mut sums = LobeSums { value: zero, error: zero, at_mean: zero, slope: zero };
-    let horizon = cloud.cos_normal(query).abs();
-    let straddles = |then: Eight, otherwise: Eight| horizon.below(cloud.chord, then, otherwise);
-    if query.diffuse.weight > 0.0 {
-        add_lobe(&mut sums, cloud, (query.normal, query.diffuse, query.falloff()), straddles);
-    }
-    for lobe in query.specular {
-        add_lobe(&mut sums, cloud, (query.axis, *lobe, query.falloff()), straddles);
-    }
-    sums
-}
-
-#[inline(always)]
-fn add_lobe(
-    sums: &mut LobeSums,
-    cloud: &Cloud,
-    (axis, lobe, k): ([f32; 3], Power, f32),
-    straddles: impl Fn(Eight, Eight) -> Eight,
-) {
-    let n = lobe.exponent;
-    let cos = dot_one(&cloud.direction, axis);
-    let across = vectors(|i| -(cloud.direction[i] * cos) + axis[i]);
-    let one = Eight::splat(1.0);
-    let sine2 = Eight::ZERO.below(cos, dot(&across, &across).at_most(1.0), one);
-    let sine = sine2.rough_sqrt();
-    let exponent = (n - 4.0).max(0.0);
-    let near_sine2 = nearest_sine2((cos, sine), cloud.chord);
-    if 0.5 * exponent * near_sine2.smallest() > NEGLIGIBLE_EXPONENT {
-        sums.error = sums.error + Eight::splat(lobe.weight * NEGLIGIBLE);
-        return;
-    }
-    let largest = Eight::cosine_power_bound(near_sine2, exponent);
-    let at_mean = Eight::cosine_power(sine2, n);
-    let inward = cloud.chord * INWARD;
-    let (near_sine, far_sine) = ((sine - inward).at_least(0.0), (sine + inward).at_most(1.0));
-    let inner = Eight::cosine_power_bound(near_sine * near_sine, exponent);
-    let third = at_mean * third_order(cloud, sine, n, k);
-    let fourth = inner * fourth_order(cloud, (near_sine, far_sine), n, k);
-    // Where the lobe ends (its horizon) it has no derivatives; the bound is its largest value.
-    let smooth_from = (cloud.chord * 1.5).at_least(0.05);
-    let growth = (sine2 - near_sine2) * (0.5 * n);
-    let smooth = smooth_from.below(cos, (third + fourth).smaller(largest), largest);
-    let smooth = growth.below(Eight::splat(STEEPEST), smooth, largest);
-    let error = straddles(largest, smooth);
-    let second = second_order(cloud, (&across, cos), n, k);
-    let value = (at_mean * (second + 1.0)).at_least(0.0).smaller(largest);
-    sums.value = sums.value + value * lobe.weight;
-    sums.error = sums.error + error * lobe.weight;
-    sums.at_mean = sums.at_mean + at_mean * lobe.weight;
-    sums.slope = sums.slope + at_mean * (far_sine * n + k) * lobe.weight;
-}
-
-/// Sine² of the sample nearest to the axis; past 90° its cosine is at most cos + chord.
-#[inline(always)]
-fn nearest_sine2((cos, sine): (Eight, Eight), chord: Eight) -> Eight {
-    let near_sine = (sine - chord).at_least(0.0);
-    let near_cos = (cos + chord).at_least(0.0);
-    let beyond = (near_cos * near_cos * -1.0 + 1.0).at_least(0.0);
-    Eight::ZERO.below(cos, near_sine * near_sine, beyond)
-}
-
-/// ½ ∇∇G : C over G for G = cosⁿ r^−k.
-#[inline(always)]
-fn second_order(cloud: &Cloud, (across, cos): (&Vectors, Eight), n: f32, k: f32) -> Eight {
-    let inverse_cos = cos.at_least(0.05).recip();
-    let spread_across = dot(across, &turned(&cloud.covariance, across)).at_least(0.0);
-    let mixed = dot(across, &cloud.along);
-    let radial = dot(&cloud.direction, &cloud.along).at_least(0.0);
-    let curvature = inverse_cos * inverse_cos * spread_across * (n * (n - 1.0));
-    let turning = inverse_cos * mixed * (2.0 * n * (1.0 + k));
-    let flattening = (cloud.trace - radial) * n;
-    let falloff = radial * (k * (k + 2.0)) - cloud.trace * k;
-    let sum = curvature - turning - flattening + falloff;
-    sum * cloud.inverse_distance * cloud.inverse_distance * 0.5
-}
-
-/// Derivatives of cosⁿ along a line through the direction at `sine`, over cosⁿ⁻⁴ and in 1/r.
-///
-/// With cos' ≤ sine, cos″ ≤ 1 and so on; the leading terms are those of the Gaussian e^(−n s²/2),
-/// Hermite polynomials in √n s.
-#[inline(always)]
-fn lower_derivatives(sine: Eight, n: f32) -> (Eight, Eight, Eight) {
-    let z = sine * sine * n;
-    let hermite3 = (z + -3.0).abs();
-    (sine * n, (z + 1.0) * n, sine * hermite3 * (n * n) + 7.0 * n)
-}
-
-/// Of G relative to cosⁿ, for the norm of the third moment.
-#[inline(always)]
-fn third_order(cloud: &Cloud, sine: Eight, n: f32, k: f32) -> Eight {
-    let (first, second, third) = lower_derivatives(sine, n);
-    let derivative =
-        third + second * (3.0 * k) + first * (3.0 * k * (k + 1.0)) + k * (k + 1.0) * (k + 2.0);
-    let inverse = cloud.inverse_distance;
-    derivative * cloud.skewness * (inverse * inverse * inverse) * (1.0 / 6.0)
-}
-
-/// Bound relative to the largest cosⁿ⁻⁴ on the way.
-#[inline(always)]
-fn fourth_order(cloud: &Cloud, (near_sine, far_sine): (Eight, Eight), n: f32, k: f32) -> Eight {
-    let (first, second, third) = lower_derivatives(far_sine, n);
-    // |z² − 6z + 3| = |(z − 3)² − 6|, z = n s², at its largest between the two.
-    let (low, high) = (near_sine * near_sine * n + -3.0, far_sine * far_sine * n + -3.0);
-    let farthest = (low * low).larger(high * high);
-    let nearest = low.larger(-high).at_least(0.0);
-    let hermite4 = (farthest + -6.0).larger(nearest * nearest * -1.0 + 6.0);
-    let own = (hermite4 + first * far_sine * far_sine * 6.0 + far_sine * far_sine * 15.0) * (n * n)
-        + 9.0 * n;
-    let falling = third * (4.0 * k)
-        + second * (6.0 * k * (k + 1.0))
-        + first * (4.0 * k * (k + 1.0) * (k + 2.0))
-        + k * (k + 1.0) * (k + 2.0) * (k + 3.0);
-    // Only displacements across the line of sight turn it; those along it enter with the sine.
-    let radial = dot(&cloud.direction, &cloud.along).at_least(0.0).smaller(cloud.trace);
-    let turning = cloud.trace - radial + radial * far_sine;
-    let gap = cloud.nearness * cloud.nearness;
-    let size = cloud.cone * cloud.inverse_distance;
-    (own * turning + falling * cloud.trace) * (size * size) * (gap * gap) * (1.0 / 24.0)
 }
 
 /// (R/r)^k, over R² with the inverse square.
@@ -409,19 +284,16 @@ fn falloff(cloud: &Cloud, inverse_distance: Eight, inverse_square: bool) -> Eigh
 #[inline(always)]
 fn total_error(
     emission: &Emission,
-    cloud: &Cloud,
     lobes: &LobeSums,
     (octet, inverse_distance, grid): (&Octet, Eight, Grid),
 ) -> Eight {
-    let width = cloud.trace.rough_sqrt() * cloud.inverse_distance;
-    let slope = lobes.slope * width;
     // Σ Φ τ²/R², and the root mean square of τ/R times the flux.
     let parallax2 = emission.parallax2.at_least(0.0) * inverse_distance * inverse_distance;
     let parallax = (parallax2 * octet.flux).rough_sqrt();
     let correlated = (parallax2 * emission.total).rough_sqrt();
     let spacing = 4.0 / grid.cells as f32; // rad, the longest edges
     emission.total * lobes.error
-        + emission.uncertainty * (lobes.at_mean + slope)
-        + correlated * slope * 1.5
-        + (parallax2 * 3.0 + parallax * (0.25 * spacing)) * (lobes.at_mean + slope)
+        + emission.uncertainty * (lobes.at_mean + lobes.swing)
+        + correlated * lobes.swing * 1.5
+        + (parallax2 * 3.0 + parallax * (0.25 * spacing)) * (lobes.at_mean + lobes.swing)
 }

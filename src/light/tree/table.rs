@@ -1,7 +1,5 @@
 //! Emission tables: moments of what a cell of samples sends into each direction of a grid.
 
-use rayon::prelude::*;
-
 use super::moments::{
     Channels, EMISSION, GRADIENT, LIT, MEAN, MOMENTS, Moments, PAIRS, PARALLAX, PARALLAX2, SKEW,
     SPREAD, TRIPLES, WIDE,
@@ -28,27 +26,27 @@ impl RawTable {
         RawTable(sums.iter().map(|sums| sums.map(|sum| sum as f32)).collect())
     }
 
-    /// Of a cell that holds others, each at `shift` from its center.
-    pub fn from_children(children: &[RawTable], shifts: &[[f64; 3]]) -> RawTable {
-        let vertices = children.first().map_or(0, |child| child.0.len());
-        let at_vertex = |vertex: usize| {
-            let mut sum = Moments::ZERO;
-            for (child, shift) in children.iter().zip(shifts) {
-                sum.add(&Moments::from_f32(&child.0[vertex]).shifted(*shift));
+    /// Of a cell that holds others, each with its place less the cell's.
+    pub fn from_children<'a>(children: impl Iterator<Item = (&'a RawTable, [f64; 3])>) -> RawTable {
+        let mut sums = Vec::new();
+        for (child, shift) in children {
+            sums.resize(child.0.len(), Moments::ZERO);
+            for (sum, moments) in sums.iter_mut().zip(&child.0) {
+                sum.add(&Moments::from_f32(moments).shifted(shift));
             }
-            sum.0.map(|value| value as f32)
-        };
-        RawTable((0..vertices).map(at_vertex).collect())
+        }
+        RawTable(sums.iter().map(|sum| sum.0.map(|value| value as f32)).collect())
     }
 
-    fn finish(&self) -> impl Iterator<Item = Channels> {
-        self.0.iter().map(|moments| Moments::from_f32(moments).channels())
+    /// On every k-th row and column of its grid, as many as `kept` has.
+    pub fn finish(&self, grid: Grid, kept: Grid) -> impl Iterator<Item = Channels> {
+        let step = grid.cells / kept.cells;
+        let vertices = (0..kept.vertices()).map(move |i| {
+            let (row, column) = (i / (kept.cells + 1), i % (kept.cells + 1));
+            row * step * (grid.cells + 1) + column * step
+        });
+        vertices.map(|vertex| Moments::from_f32(&self.0[vertex]).channels())
     }
-}
-
-/// [cell][vertex].
-pub(super) fn finish_tables(raw: &[RawTable]) -> Vec<Channels> {
-    raw.par_iter().flat_map_iter(RawTable::finish).collect()
 }
 
 type Lanes = [f32; LANES];
