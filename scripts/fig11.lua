@@ -17,7 +17,8 @@ local function panels_of(name)
     local x, y = image:spectrum():xy()
     return {
       image = image, seconds = image.stats.seconds, x = x, y = y, white = shot.white,
-      title = ("%s, %s, %s"):format(name:gsub("model", "model "), shot.lit[1].bulb, shot.name),
+      title = ("%s, %s, %s"):format(name:gsub("model", "model "), shot.lit[1].bulb,
+        shot.azimuth and shot.azimuth .. "°" or shot.name),
     }
   end)
 end

@@ -12,7 +12,7 @@ local options = {
     optics = { kind = "plain", facets = true, width = 18, height = 15 },
     lens = { front = 124, optics = { kind = "flutes", width = 8, depth = 0.3 } },
   },
-  shots = { { name = "00", lit = { { chamber = 2, bulb = "P21W" } }, white = 6 } },
+  shots = { { name = "00", lit = { { chamber = 2, bulb = "P21W" } }, azimuth = 0, white = 6 } },
 }
 
 if not ... then model.render(options) end -- not for a script that requires this one
