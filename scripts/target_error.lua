@@ -10,9 +10,9 @@ local model = require "model"
 local paper = require "paper"
 
 local width = paper.size(12, 6)
-local targets = paper.size({ 0.1, 0.03, 0.01, 0.003 }, { 0.3, 0.1 })
-local reference_samples = paper.size(65536, 4096)
-local light_samples = paper.size(500, 50)
+local targets = paper.size({ 0.1, 0.03, 0.01 }, { 0.3, 0.1 })
+local reference_samples = paper.size(16384, 1024)
+local light_samples = paper.size(100, 50)
 
 local function lamp(name)
   local built = model.build(require(name), paper.size(1, 6))

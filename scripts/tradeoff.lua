@@ -228,7 +228,7 @@ for _, result in ipairs(combined) do
   if is_best(result) then table.insert(front, { result.evaluations, result.rms }) end
 end
 table.sort(front, function(a, b) return a[1] < b[1] end)
-local series = series_of(combined, function(samples) return samples .. " samples a pixel" end)
+local series = series_of(combined, function(samples) return "samples = " .. samples end)
 for _, line in ipairs(series) do line.style = "points" end
 table.insert(series, {
   name = "Pareto front", points = front, style = "dashes", color = { 0, 0, 0 },
