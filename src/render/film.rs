@@ -114,27 +114,36 @@ impl Film {
 
     /// Estimated rms error of luminance over lit pixels, relative to each.
     pub fn lit_error(&self) -> f64 {
+        self.lit_error_of(|_| true)
+    }
+
+    /// The same, with no error at pixels but these.
+    pub fn lit_error_of(&self, is_meant: impl Fn(&PixelStats) -> bool) -> f64 {
         let lit = self.lit_luminance();
         let is_lit = |pixel: &&PixelStats| pixel.mean > 0.0 && pixel.mean >= lit;
         let relative = |pixel: &PixelStats| pixel.squared_error() / pixel.scale(lit).powi(2);
-        let count = self.pixels.iter().filter(is_lit).count();
-        let squares: f64 = self.pixels.iter().filter(is_lit).map(relative).sum();
-        (squares / count.max(1) as f64).sqrt()
+        let all_lit = self.pixels.iter().filter(is_lit);
+        let squares: f64 = all_lit.clone().filter(|pixel| is_meant(pixel)).map(relative).sum();
+        (squares / all_lit.count().max(1) as f64).sqrt()
     }
 
     /// Plans `growth` times as many samples as there are, each pixel's in proportion to their
     /// deviation relative to its luminance: so a given number makes the rms error least.
     ///
     /// A pixel may have a highlight that no sample has met, and the more likely the more its
-    /// neighbors need: none has less than a share of the mean, and of any neighbor's.
-    pub fn plan(&mut self, growth: f64, most: u32) {
+    /// neighbors need: none has less than a share of the mean, and of any neighbor's. Pixels that
+    /// have `most` are left out. Whether any pixel has more to come.
+    pub fn plan(&mut self, growth: f64, most: u32) -> bool {
         const LEAST_OF_MEAN: f64 = 0.25;
         const LEAST_OF_NEIGHBOR: f64 = 0.25;
         let lit = self.lit_luminance();
+        let is_open = |pixel: &&PixelStats| pixel.count < most;
         let weight = |pixel: &PixelStats| pixel.deviation() / pixel.scale(lit);
-        let samples = growth * self.pixels.iter().map(|pixel| f64::from(pixel.count)).sum::<f64>();
-        let weights: f64 = self.pixels.iter().map(weight).sum();
-        let least = LEAST_OF_MEAN * samples / self.pixels.len() as f64;
+        let open = || self.pixels.iter().filter(is_open);
+        let samples = growth * open().map(|pixel| f64::from(pixel.count)).sum::<f64>();
+        let weights: f64 = open().map(weight).sum();
+        let least = LEAST_OF_MEAN * samples / open().count() as f64;
+        // Where no weight is above 0, the quotient is NaN, and `max` passes it over.
         let share = |pixel: &PixelStats| (samples * weight(pixel) / weights).max(least);
         let shares: Vec<f64> = self.pixels.iter().map(share).collect();
         for at in 0..self.pixels.len() {
@@ -143,6 +152,7 @@ impl Film {
             let pixel = &mut self.pixels[at];
             pixel.planned = wanted.clamp(pixel.count.min(most), most);
         }
+        self.pixels.iter().any(|pixel| pixel.planned > pixel.count)
     }
 
     /// A pixel and those that touch it.
@@ -242,12 +252,13 @@ mod tests {
             let spread = if at == 0 { 0.5 } else { 0.01 };
             add(pixel, (0..60).map(|i| 1.0 + spread * f64::from(i % 2)));
         }
-        film.plan(2.0, 100_000);
+        assert!(film.plan(2.0, 100_000));
         let planned: Vec<u32> = film.pixels.iter().map(|pixel| pixel.planned).collect();
         assert!(planned[0] > 600, "{planned:?}");
         assert!(planned[1] > planned[0] / 5, "a neighbor has some, too: {planned:?}");
         assert_eq!(planned[2..], [60; 7], "none is taken away");
-        film.plan(2.0, 100);
+        assert!(film.plan(2.0, 100));
         assert_eq!(film.pixels[0].planned, 100);
+        assert!(!film.plan(2.0, 60), "all have as many");
     }
 }

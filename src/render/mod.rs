@@ -50,7 +50,7 @@ pub enum Samples {
         error: f64,
     },
     /// Until the estimated rms error of luminance over lit pixels, relative to each, is below
-    /// `error`, or every pixel has `max`; most where they help most.
+    /// `error`, or pixels that have `max` are too many for that; most where they help most.
     Lit {
         max: u32,
         error: f64,
@@ -227,16 +227,17 @@ impl Renderer<'_> {
         let mut told = 0;
         loop {
             let excess = film.lit_error() / error;
-            let is_done = excess <= 1.0 || film.pixels.iter().all(|pixel| pixel.count >= max);
+            let is_hopeless = film.lit_error_of(|pixel| pixel.count >= max) > error;
             // Evenly spread samples at edges: the error falls as count^−¾ (measured).
-            let growth = if is_done { 1.0 } else { excess.powf(4.0 / 3.0) };
-            let done = ((film.pixels.len() as f64 / growth) as usize).max(told);
+            let growth = excess.powf(4.0 / 3.0).max(1.0);
+            let goes_on = excess > 1.0 && !is_hopeless && film.plan(growth.clamp(1.2, 2.0), max);
+            let share = if goes_on { growth.recip() } else { 1.0 };
+            let done = ((film.pixels.len() as f64 * share) as usize).max(told);
             self.watch.pixels_done(done - told);
             told = done;
-            if is_done {
+            if !goes_on {
                 return Ok(counts);
             }
-            film.plan(growth.clamp(1.2, 2.0), max);
             counts = counts + untold.sample_until(film, |pixel| pixel.count >= pixel.planned)?;
         }
     }
