@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -81,9 +82,9 @@ struct RunOptions {
     /// Threads to render with [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
-    /// Most memory for Lua's own values, such as 500M or 2G [default: no limit]
-    #[arg(long, value_name = "SIZE", value_parser = bytes_from_text)]
-    max_memory: Option<usize>,
+    /// Most memory for Lua's own values, such as 500M; meshes, rays and images are not Lua's
+    #[arg(long, value_name = "SIZE", value_parser = bytes_from_text, default_value = "2G")]
+    max_memory: usize,
     /// No progress on standard error
     #[arg(long)]
     quiet: bool,
@@ -107,6 +108,7 @@ fn main() -> ExitCode {
     match CommandLine::parse().command {
         Command::Run { script, options, shard, arguments } => options.start(|settings| {
             let settings = Settings { shard, arguments, ..settings };
+            end_when_stuck(settings.clone());
             script::run(&script, settings)
         }),
         Command::Repl { options } => options.start(script::repl),
@@ -140,7 +142,7 @@ impl RunOptions {
             verbosity,
             interrupted: interrupted_by_ctrl_c(),
             read: self.read,
-            max_memory: self.max_memory,
+            max_memory: Some(self.max_memory),
             ..Settings::default()
         };
         match run(settings) {
@@ -151,6 +153,22 @@ impl RunOptions {
             }
         }
     }
+}
+
+/// How long an interrupted script may take to end: some calls of Lua's library never look up.
+const PATIENCE: Duration = Duration::from_secs(3);
+
+/// Ends the program some time after Ctrl-C if the script has not. Files are whole all the same:
+/// they are written aside and renamed.
+fn end_when_stuck(settings: Settings) {
+    std::thread::spawn(move || {
+        while !settings.interrupted.load(Ordering::Relaxed) {
+            std::thread::sleep(Duration::from_millis(100));
+        }
+        std::thread::sleep(PATIENCE);
+        eprintln!("{}", ScriptFault::interrupted().report(settings.verbosity));
+        std::process::exit(i32::from(INTERRUPTED));
+    });
 }
 
 fn exit_code(done: Result<(), Error>) -> ExitCode {
@@ -181,6 +199,7 @@ fn verify(manifest: &std::path::Path, script: Option<&std::path::Path>) -> ExitC
         Err(error) => return exit_code(Err(error)),
     };
     report.problems.iter().for_each(|problem| eprintln!("{problem}"));
+    report.notes.iter().for_each(|note| eprintln!("note: {note}"));
     println!("{}: {} files are as they were", manifest.display(), report.good);
     if report.problems.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(FAILED) }
 }

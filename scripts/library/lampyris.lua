@@ -440,7 +440,7 @@ function Image:intensity() end
 ---@class FalseColorOptions
 ---@field log? boolean  default true
 ---@field range? number[]  {from, to}; default: what the image needs
----@field label? string  of the scale bar; default luminance in cd/m²
+---@field label? string  of the scale bar; default luminance, in cd/m² or relative as the scene is
 
 ---A figure of the luminance in false colors, with a scale bar.
 ---@param options? FalseColorOptions
@@ -480,7 +480,17 @@ lampyris.display = {}
 ---@field offset number[]  k_o
 ---@field gamma number[]
 ---@field bits integer
+---@field channels table<"red"|"green"|"blue", DisplayChannel>
+---@field plot Figure tone curves, and the measured points of a fitted display
 local Display = {}
+
+---@class DisplayChannel
+---@field gain number  k_g
+---@field offset number  k_o
+---@field gamma number
+---@field gain_error? number  standard error; nil unless the display was fitted
+---@field gamma_error? number
+---@field rms? number  relative to the channel's maximum
 
 ---@class DisplayNewOptions
 ---@field matrix number[][]  {{Xr, Xg, Xb}, {Yr, Yg, Yb}, {Zr, Zg, Zb}}, cd/m²
@@ -594,10 +604,13 @@ function Grid:at(h, v) end
 ---@class GridCheckOptions
 ---@field lamp string  a lamp of the file
 ---@field file? string  CSV: lamp, color, h, v, min, max; default UN R148
+---@field marked_d? boolean  the maximum of lamps marked "D"; default false
+---@field side? "left"|"right"  of the vehicle as seen from behind: checks the field of visibility
+---@field position? Grid  of the position lamp combined with this stop lamp: checks their ratio
 
 ---Compares with a lamp's limits, point by point.
 ---@param lamp "R1"|"R2"|"S1"|"S2"|"S3"|"S4"|"2a"|"2b"|GridCheckOptions
----@return table  pass, color, points {h, v, min, max, intensity, color, pass}
+---@return table  pass, color, points {h, v, min, max, intensity, color, pass}, field, ratio
 function Grid:check(lamp) end
 
 ---@class GridSaveOptions

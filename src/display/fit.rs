@@ -22,7 +22,8 @@ pub enum Light {
 }
 
 impl Light {
-    fn luminance(self) -> f64 {
+    /// cd/m².
+    pub fn luminance(self) -> f64 {
         match self {
             Self::Luminance(y) => y,
             Self::Xyz(color) => color.y,

@@ -1,6 +1,7 @@
 //! Files: EXR, PNG, tables and text, each written whole or not at all.
 
 mod atomic;
+mod base64;
 mod exr;
 mod figure;
 mod png;
@@ -8,6 +9,7 @@ mod png;
 pub(crate) mod scratch;
 
 pub use atomic::{write_atomically, write_csv, write_text};
+pub use base64::base64;
 pub use exr::{ExrInfo, read_exr, read_exr_info, write_exr};
 pub use figure::{figure_svg, write_figure_png, write_figure_svg};
 pub use png::{ColorSpace, Raster, Samples, display_raster, read_png, write_png};

@@ -2,6 +2,7 @@
 
 use super::grid::{Direction, Grid};
 use super::ies::one_line;
+use crate::error::{Error, Result};
 
 /// Half planes about the lamp's axis, and their step in degrees.
 const PLANES: usize = 24;
@@ -16,13 +17,19 @@ impl Grid {
     ///
     /// C planes turn from +X (C = 0°) over +Y (90°); γ is the angle to +Z. Values lie linearly
     /// between those of the grid, out to the largest γ that the grid holds in all planes.
-    pub fn to_eulumdat(&self, name: &str) -> String {
+    /// Errors: a grid that does not reach around the axis, so that no γ but 0° is in all planes.
+    pub fn to_eulumdat(&self, name: &str) -> Result<String> {
         let name = one_line(name);
         let gammas: Vec<f64> = (0..)
             .map(|k| f64::from(k) * GAMMA_STEP_DEG)
             .take_while(|&gamma| (0..PLANES).all(|c| self.at(direction(c, gamma)).is_some()))
             .take_while(|&gamma| gamma <= 180.0)
             .collect();
+        if gammas.len() < 2 {
+            let problem =
+                "EULUMDAT goes around the axis: h and v have to reach from -1° to 1° at least";
+            return Err(Error::inconsistent("grid:save", problem));
+        }
         let per_klm = |value: f64| value * 1000.0 / self.flux_lm;
         let mut lines: Vec<String> = [
             "lampyris, computed",
@@ -35,7 +42,7 @@ impl Grid {
         lines.push(PLANE_STEP_DEG.to_string());
         lines.push(gammas.len().to_string());
         lines.push(GAMMA_STEP_DEG.to_string());
-        lines.extend(["", &name, "", &name, ""].map(str::to_owned)); // report, number, file, date
+        lines.extend(["", &name, "", &name, ""].map(str::to_owned)); // report, name, number, file, date
         lines.extend((0..9).map(|_| "0".to_owned())); // lengths of the luminaire, mm: not known
         // Downward and output fraction %, factor, tilt, sets of lamps, lamps, type.
         lines.extend(["100", "100", "1", "0", "1", "1", "lamp"].map(str::to_owned));
@@ -50,7 +57,7 @@ impl Grid {
                 lines.push(format!("{value:.4}"));
             }
         }
-        lines.join("\r\n") + "\r\n"
+        Ok(lines.join("\r\n") + "\r\n")
     }
 }
 
@@ -68,7 +75,7 @@ mod tests {
     #[test]
     fn values_stand_where_readers_look_for_them() {
         let grid = grid(&[-20.0, 0.0, 20.0], &[-10.0, 10.0], |h, v| 200.0 + h + 2.0 * v);
-        let text = grid.to_eulumdat("tail lamp");
+        let text = grid.to_eulumdat("tail lamp").unwrap();
         let lines: Vec<&str> = text.split("\r\n").collect();
         // 24 planes and γ to 9°: 10° is out of the grid by rounding, at most.
         let gammas: usize = lines[5].parse().unwrap();
@@ -82,5 +89,12 @@ mod tests {
         assert_eq!(lines[first + 5], "205.0000", "5° toward +X");
         assert_eq!(lines[first + 6 * gammas + 5], "210.0000", "5° up");
         assert_eq!(lines.len(), first + 24 * gammas + 1);
+    }
+    #[test]
+    fn a_quadrant_is_not_enough() {
+        for h in [[0.0, 20.0], [10.0, 20.0]] {
+            let error = grid(&h, &[-10.0, 10.0], |_, _| 1.0).to_eulumdat("x").unwrap_err();
+            assert!(error.to_string().contains("have to reach from -1° to 1°"), "{error}");
+        }
     }
 }

@@ -38,9 +38,26 @@ impl Grid {
 
 /// Numbers in lines of at most the 132 characters that the standard allows.
 fn joined(values: impl Iterator<Item = f64>) -> String {
-    const A_LINE: usize = 8;
-    let texts: Vec<String> = values.map(|value| format!("{value:.5}")).collect();
-    texts.chunks(A_LINE).map(|line| line.join(" ")).collect::<Vec<_>>().join("\r\n")
+    const LONGEST: usize = 132;
+    let (mut text, mut length) = (String::new(), 0);
+    for number in values.map(number) {
+        if length + 1 + number.len() > LONGEST {
+            text.push_str("\r\n");
+            length = 0;
+        } else if length > 0 {
+            text.push(' ');
+            length += 1;
+        }
+        length += number.len();
+        text.push_str(&number);
+    }
+    text
+}
+
+/// Seven significant digits, without an exponent, which not every reader knows.
+fn number(value: f64) -> String {
+    let rounded = format!("{value:.6e}").parse().unwrap_or(value);
+    rounded.to_string()
 }
 
 pub(super) fn one_line(text: &str) -> String {
@@ -59,16 +76,22 @@ mod tests {
         assert_eq!(lines[0], "IESNA:LM-63-2002");
         assert_eq!(lines[5], "[LUMINAIRE] taillamp");
         assert_eq!(lines[7], "1 1000 1 2 3 3 2 0 0 0");
-        assert_eq!(lines[9], "-5.00000 5.00000");
-        assert_eq!(lines[10], "-10.00000 0.00000 10.00000");
-        assert_eq!(lines[11], "40.00000 140.00000");
-        assert_eq!(lines[13], "60.00000 160.00000");
+        assert_eq!(lines[9], "-5 5");
+        assert_eq!(lines[10], "-10 0 10");
+        assert_eq!(lines[11], "40 140");
+        assert_eq!(lines[13], "60 160");
     }
 
     #[test]
     fn lines_stay_short() {
         let angles: Vec<f64> = (0..200).map(|i| f64::from(i) * 0.9 - 89.0).collect();
-        let text = grid(&angles, &angles, |_, _| 1e6).to_ies("x");
-        assert!(text.lines().all(|line| line.len() <= 132));
+        for size_cd in [1.234567e-12, 1e6, 1e18] {
+            let text = grid(&angles, &angles, |_, _| size_cd).to_ies("x");
+            assert!(text.lines().all(|line| line.len() <= 132));
+            // 7 lines of text, then 13 numbers about the lamp, 400 angles and 40,000 candela.
+            let numbers = text.lines().skip(7).flat_map(str::split_whitespace);
+            assert_eq!(numbers.clone().count(), 13 + 400 + 40_000);
+            assert_eq!(numbers.last().and_then(|n| n.parse().ok()), Some(size_cd));
+        }
     }
 }

@@ -71,6 +71,13 @@ impl Limits {
         })
     }
 
+    /// The same points with another greatest intensity.
+    #[must_use]
+    pub fn with_max(mut self, max_cd: f64) -> Self {
+        self.points.iter_mut().for_each(|point| point.max_cd = max_cd);
+        self
+    }
+
     /// Every point, in the order of the data.
     pub fn check(&self, grid: &Grid) -> Vec<PointCheck> {
         self.points.iter().map(|point| self.check_point(*point, grid)).collect()

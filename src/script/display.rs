@@ -8,20 +8,39 @@ use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Va
 use super::options::{self, Arguments, Options, Range};
 use super::{display_fit, fault, host};
 use crate::color::Xyz;
-use crate::display::{Curve, Display, DisplayParameters};
+use crate::display::{CHANNELS, ChannelFit, Curve, Display, DisplayParameters};
 use crate::error::Error;
 use crate::output;
 
 /// Handle of a display.
 #[derive(Debug, Clone)]
-pub struct LuaDisplay(pub Arc<Display>);
+pub struct LuaDisplay {
+    pub display: Arc<Display>,
+    /// Of a display that was fitted.
+    pub fitted: Option<Arc<Fitted>>,
+}
 
-const NAMES: [&str; 8] = ["bits", "digital", "gain", "gamma", "offset", "save", "verify", "xyz"];
+/// How a display was fitted, and to what.
+#[derive(Debug)]
+pub struct Fitted {
+    pub channels: [ChannelFit; 3],
+    /// Digits, and light relative to full, black subtracted.
+    pub ramps: [Vec<[f64; 2]>; 3],
+}
+
+impl From<Display> for LuaDisplay {
+    fn from(display: Display) -> Self {
+        Self { display: Arc::new(display), fitted: None }
+    }
+}
+
+const NAMES: [&str; 10] =
+    ["bits", "channels", "digital", "gain", "gamma", "offset", "plot", "save", "verify", "xyz"];
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     let table = lua.create_table()?;
-    table.set("eizo_t766", LuaDisplay(Arc::new(Display::eizo_t766())))?;
-    table.set("srgb", LuaDisplay(Arc::new(Display::srgb())))?;
+    table.set("eizo_t766", LuaDisplay::from(Display::eizo_t766()))?;
+    table.set("srgb", LuaDisplay::from(Display::srgb()))?;
     table.set("new", fault::function(lua, |_, a| new(Arguments::new("display.new", a, 1)?))?)?;
     table.set(
         "fit",
@@ -59,7 +78,7 @@ fn new(mut arguments: Arguments) -> mlua::Result<LuaDisplay> {
         black: black(&options)?,
         bits: options.count("bits", 1, 16)?.unwrap_or(8) as u32,
     };
-    Ok(LuaDisplay(Arc::new(Display::new(parameters)?)))
+    Ok(Display::new(parameters)?.into())
 }
 
 fn triple(options: &Options, key: &str, value: &Value, range: Range) -> mlua::Result<[f64; 3]> {
@@ -92,34 +111,57 @@ pub(super) fn black(options: &Options) -> mlua::Result<Xyz> {
     }
 }
 
+/// `{red = {gain =, offset =, gamma =}, …}`; of a fitted display with standard errors and rms.
+fn channels(lua: &Lua, display: &LuaDisplay) -> mlua::Result<Table> {
+    let table = lua.create_table()?;
+    for (c, name) in CHANNELS.into_iter().enumerate() {
+        let curve = &display.display.curves()[c];
+        let channel = lua.create_table()?;
+        channel.set("gain", curve.gain)?;
+        channel.set("offset", curve.offset)?;
+        channel.set("gamma", curve.gamma)?;
+        if let Some(fitted) = &display.fitted {
+            let fit = &fitted.channels[c];
+            channel.set("gain_error", fit.gain_error)?;
+            channel.set("gamma_error", fit.gamma_error)?;
+            channel.set("rms", fit.rms)?;
+        }
+        table.set(name, channel)?;
+    }
+    Ok(table)
+}
+
 impl UserData for LuaDisplay {
     fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
-        fields.add_field_method_get("gain", |_, this| Ok(this.0.curves().map(|c| c.gain)));
-        fields.add_field_method_get("offset", |_, this| Ok(this.0.curves().map(|c| c.offset)));
-        fields.add_field_method_get("gamma", |_, this| Ok(this.0.curves().map(|c| c.gamma)));
-        fields.add_field_method_get("bits", |_, this| Ok(this.0.bits()));
+        fields.add_field_method_get("gain", |_, this| Ok(this.display.curves().map(|c| c.gain)));
+        fields
+            .add_field_method_get("offset", |_, this| Ok(this.display.curves().map(|c| c.offset)));
+        fields.add_field_method_get("gamma", |_, this| Ok(this.display.curves().map(|c| c.gamma)));
+        fields.add_field_method_get("bits", |_, this| Ok(this.display.bits()));
+        fields.add_field_method_get("channels", channels);
+        fields.add_field_method_get("plot", |_, this| Ok(display_fit::plot(this)));
     }
 
     fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
         fault::method(methods, "xyz", |_, this: &Self, a| {
             let mut arguments = Arguments::new("display:xyz", a, 3)?;
-            let digits = Range::new(0.0, f64::from(this.0.full_digit()), "");
+            let digits = Range::new(0.0, f64::from(this.display.full_digit()), "");
             let mut digit = |what| arguments.number(what, digits);
-            let color = this.0.xyz_from_digits([digit("r")?, digit("g")?, digit("b")?]);
+            let color = this.display.xyz_from_digits([digit("r")?, digit("g")?, digit("b")?]);
             Ok((color.x, color.y, color.z))
         });
         fault::method(methods, "digital", |_, this: &Self, a| {
             let mut arguments = Arguments::new("display:digital", a, 3)?;
             let mut part = |what| arguments.number(what, Range::ANY);
             let color = Xyz::new(part("X")?, part("Y")?, part("Z")?);
-            let digits = this.0.digits_from_xyz(color);
+            let digits = this.display.digits_from_xyz(color);
             let [r, g, b] = digits.ok_or_else(|| {
                 Error::inconsistent("display:digital", "the color is too large to be shown")
             })?;
             Ok((r, g, b))
         });
         fault::method(methods, "verify", |lua, this: &Self, a| {
-            display_fit::verify(lua, &this.0, Arguments::new("display:verify", a, 1)?)
+            display_fit::verify(lua, &this.display, Arguments::new("display:verify", a, 1)?)
         });
         fault::method(methods, "save", |lua, this: &Self, a| {
             let path = Arguments::new("display:save", a, 1)?.text("path")?;
@@ -129,13 +171,13 @@ impl UserData for LuaDisplay {
                 let allowed = "names ending in .icc";
                 return Err(Error::out_of_range("display:save", "path", found, allowed).into());
             }
-            let profile = this.0.icc_profile()?;
+            let profile = this.display.icc_profile()?;
             Ok(output::write_atomically(&target, |file| file.write_all(&profile))?)
         });
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
-            let white = this.0.white();
+            let white = this.display.white();
             let [x, y] = white.chromaticity().unwrap_or_default();
-            let (name, bits) = (this.0.name(), this.0.bits());
+            let (name, bits) = (this.display.name(), this.display.bits());
             Ok(format!(
                 "display: {name}, {bits} bits, white {:.1} cd/m² at ({x:.4}, {y:.4})",
                 white.y

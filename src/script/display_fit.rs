@@ -4,14 +4,16 @@ use std::sync::Arc;
 
 use mlua::{Lua, Table, Value};
 
-use super::display::{LuaDisplay, black, matrix};
+use super::display::{Fitted, LuaDisplay, black, matrix};
+use super::figure::LuaFigure;
 use super::host;
 use super::options::{self, Arguments, Options, Range};
 use crate::color::Xyz;
-use crate::display::{self, Display, DisplayMeasurement, Light, Patch, RampPatch, Verification};
+use crate::display::{
+    self, CHANNELS, Display, DisplayMeasurement, Light, Patch, RampPatch, Verification,
+};
 use crate::error::Error;
-
-const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+use crate::figure::{Axis, Chart, Panel, Series};
 
 /// `display.fit { red =, green =, blue = or file =, matrix =, black =, bits = }`.
 pub(super) fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaDisplay> {
@@ -32,7 +34,39 @@ pub(super) fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaDispla
         black: black(&options)?,
         bits,
     };
-    Ok(LuaDisplay(Arc::new(display::fit_display(&measurement)?.display)))
+    let fit = display::fit_display(&measurement)?;
+    let fitted = Fitted { channels: fit.channels, ramps: relative_ramps(&measurement) };
+    Ok(LuaDisplay { display: Arc::new(fit.display), fitted: Some(Arc::new(fitted)) })
+}
+
+/// What the curves were fitted to: black subtracted, the last patch being 1.
+fn relative_ramps(measurement: &DisplayMeasurement) -> [Vec<[f64; 2]>; 3] {
+    let black = measurement.black.y;
+    measurement.ramps.each_ref().map(|ramp| {
+        let full = ramp.last().map_or(1.0, |patch| patch.light.luminance() - black);
+        ramp.iter().map(|patch| [patch.digit, (patch.light.luminance() - black) / full]).collect()
+    })
+}
+
+/// The tone curves, as Fig. 6 shows them, and the measured points if there are any.
+pub(super) fn plot(display: &LuaDisplay) -> LuaFigure {
+    /// Curves are smooth beyond.
+    const STEPS: u32 = 255;
+    const RGB: [[u8; 3]; 3] = [[213, 40, 20], [0, 140, 60], [0, 90, 190]];
+    let full = f64::from(display.display.full_digit());
+    let mut series = Vec::new();
+    for (c, name) in CHANNELS.into_iter().enumerate() {
+        let curve = &display.display.curves()[c];
+        let signals = (0..=STEPS).map(|step| f64::from(step) / f64::from(STEPS));
+        let points = signals.map(|signal| [full * signal, curve.light(signal)]).collect();
+        series.push(Series { color: Some(RGB[c]), ..Series::line(name, points) });
+        if let Some(fitted) = &display.fitted {
+            let points = fitted.ramps[c].clone();
+            series.push(Series { color: Some(RGB[c]), ..Series::scatter("", points) });
+        }
+    }
+    let (x, y) = (Axis::linear("digital value"), Axis::linear("light relative to full"));
+    LuaFigure::of_panel(Panel::Chart(Chart { title: String::new(), x, y, series }))
 }
 
 /// `{ {d, luminance}, … }` or `{ {d, X, Y, Z}, … }`.

@@ -19,6 +19,11 @@ pub struct ScriptFault {
 }
 
 impl ScriptFault {
+    /// Ctrl-C.
+    pub fn interrupted() -> Self {
+        Self { message: Error::Interrupted.to_string(), interrupted: true }
+    }
+
     /// The message as standard error's reader wants it.
     pub fn report(&self, verbosity: Verbosity) -> String {
         match verbosity {
@@ -88,7 +93,8 @@ pub(super) fn from_lua(error: mlua::Error, host: &Host) -> ScriptFault {
     ScriptFault { interrupted: host.is_interrupted(), message }
 }
 
-fn message(error: &mlua::Error) -> String {
+/// Without the stack traceback.
+pub(super) fn message(error: &mlua::Error) -> String {
     match error {
         mlua::Error::CallbackError { cause, traceback } => match method_without_self(cause) {
             Some(problem) => match traced_line(traceback) {

@@ -14,6 +14,7 @@ use crate::figure::{
     false_color,
 };
 use crate::image::Region;
+use crate::light::Photometry;
 use crate::output;
 
 /// Handle of a figure.
@@ -53,7 +54,7 @@ impl LuaFigure {
 
 /// `image:false_color { log =, range =, label = }`.
 pub(super) fn false_color_figure(image: &LuaImage, options: &Options) -> mlua::Result<LuaFigure> {
-    let panel = false_color(&image.xyz_image(), &colors(options)?)?;
+    let panel = false_color(&image.xyz_image(), &colors(options, image)?)?;
     Ok(LuaFigure::of_panel(Panel::Raster(panel)))
 }
 
@@ -242,7 +243,7 @@ fn segments(options: &Options) -> mlua::Result<SegmentsPanel> {
 /// An image as sRGB shows it, or its luminance in false colors; a part of it with `crop`.
 fn picture(options: &Options) -> mlua::Result<RasterPanel> {
     let image: LuaImage = options.required_handle("image", "an image")?;
-    let panel = match false_colors(options)? {
+    let panel = match false_colors(options, &image)? {
         Some(colors) => false_color(&image.xyz_image(), &colors)?,
         None => {
             let shown = image::present(&image, &Display::srgb(), options)?.image;
@@ -266,22 +267,26 @@ fn picture(options: &Options) -> mlua::Result<RasterPanel> {
 }
 
 /// `true`, or `{log = true, range =, label =}`.
-fn false_colors(options: &Options) -> mlua::Result<Option<FalseColor>> {
+fn false_colors(options: &Options, image: &LuaImage) -> mlua::Result<Option<FalseColor>> {
     let value = match options.value("false_color")? {
         Value::Nil | Value::Boolean(false) => return Ok(None),
         Value::Boolean(true) => Value::Nil,
         value => value,
     };
     let object = format!("{}: false_color", options.object());
-    colors(&Options::new(&object, value, &FALSE_COLOR_KEYS)?).map(Some)
+    colors(&Options::new(&object, value, &FALSE_COLOR_KEYS)?, image).map(Some)
 }
 
-fn colors(options: &Options) -> mlua::Result<FalseColor> {
+fn colors(options: &Options, image: &LuaImage) -> mlua::Result<FalseColor> {
     let default = FalseColor::default();
+    let label = match image.photometry() {
+        Photometry::Absolute => default.label,
+        Photometry::Relative => "luminance (relative)".to_owned(),
+    };
     Ok(FalseColor {
         scale: scale(options, default.scale)?,
         range: range(options)?,
-        label: options.text("label")?.unwrap_or(default.label),
+        label: options.text("label")?.unwrap_or(label),
     })
 }
 

@@ -17,6 +17,7 @@ use crate::display::{
 use crate::error::Error;
 use crate::image::{Region, SpectralImage, XyzImage};
 use crate::image_difference::ImageDifference;
+use crate::light::Photometry;
 use crate::memory;
 use crate::output;
 use crate::photometry;
@@ -76,6 +77,10 @@ impl LuaImage {
 
     pub(super) fn xyz_image(&self) -> XyzImage {
         self.0.image.to_xyz()
+    }
+
+    pub(super) fn photometry(&self) -> Photometry {
+        self.0.image.photometry
     }
 
     /// Y of every pixel.
@@ -225,7 +230,7 @@ pub(super) fn save_png(
     options: &Options,
 ) -> mlua::Result<Shown> {
     let display = options.handle::<LuaDisplay>("display", "a display")?;
-    let display = display.map_or_else(Display::srgb, |d| Arc::unwrap_or_clone(d.0));
+    let display = display.map_or_else(Display::srgb, |d| Arc::unwrap_or_clone(d.display));
     let shown = present_seen(image, view, &display, options)?;
     let mut raster = output::display_raster(&shown.image, &display)?;
     raster.metadata = image.metadata.clone();
@@ -299,7 +304,7 @@ fn curve_value(curve: Option<&Function>, luminance: f64) -> crate::Result<f64> {
         Some(Ok(other)) => {
             Err(failed(format!("returned {}, expected a number", options::describe(&other))))
         }
-        Some(Err(error)) => Err(failed(error.to_string())),
+        Some(Err(error)) => Err(failed(fault::message(&error))),
         None => Ok(luminance),
     }
 }
@@ -313,9 +318,11 @@ fn exposure(options: &Options) -> mlua::Result<Exposure> {
             let stops = Options::new(&object, Value::Table(table), &["ev"])?;
             Ok(Exposure::Stops(stops.required_number("ev", Range::new(-100.0, 100.0, "stops"))?))
         }
+        Value::String(word) if word == "auto" => Ok(Exposure::Auto),
         Value::String(_) => {
-            let words = [("auto", Exposure::Auto)];
-            Ok(options.choice("exposure", &words)?.unwrap_or_default())
+            let allowed = "\"auto\", a factor above 0, {ev = stops}";
+            let found = format!("\"{}\"", options.text("exposure")?.unwrap_or_default());
+            Err(Error::out_of_range(options.object(), "\"exposure\"", found, allowed).into())
         }
         _ => {
             let factor = options.required_number("exposure", Range::above_zero(""))?;

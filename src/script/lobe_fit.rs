@@ -44,7 +44,9 @@ fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
     let spaces = [("linear", LobeSpace::Linear), ("log", LobeSpace::Log)];
     let space = options.choice("space", &spaces)?.unwrap_or_default();
     let table = LobeTable { points: &points, weights: weights.as_deref(), range_deg };
-    result(lua, &points, &fit_lobe(&table, count, space)?)
+    let fit = fit_lobe(&table, count, space)?;
+    let plot = LuaFigure::of_panel(Panel::Chart(chart(&points, &fit, space)));
+    result(lua, fit, plot)
 }
 
 /// `points = {{angle, value}, …}`, or two columns of `file`.
@@ -74,7 +76,7 @@ fn numbers(options: &Options, key: &str, list: &[Value], range: Range) -> mlua::
 }
 
 /// The first lobe's figures at the top, all of them under `lobes`, `eval` of the sum, and `plot`.
-fn result(lua: &Lua, points: &[(f64, f64)], fit: &LobeFit) -> mlua::Result<Table> {
+fn result(lua: &Lua, fit: LobeFit, plot: LuaFigure) -> mlua::Result<Table> {
     let mut lobes = Vec::new();
     for lobe in &fit.lobes {
         let row = lua.create_table()?;
@@ -96,8 +98,7 @@ fn result(lua: &Lua, points: &[(f64, f64)], fit: &LobeFit) -> mlua::Result<Table
     table.set("rms", fit.rms)?;
     table.set("rms_decades", fit.rms_decades)?;
     table.set("points", fit.points)?;
-    table.set("plot", LuaFigure::of_panel(Panel::Chart(chart(points, fit))))?;
-    let fit = fit.clone();
+    table.set("plot", plot)?;
     let eval = fault::function(lua, move |_, a| {
         let angles = Range::between(-90.0, 90.0, "degrees");
         Ok(fit.eval(Arguments::new("fit_lobe: eval", a, 1)?.number("angle", angles)?))
@@ -106,8 +107,8 @@ fn result(lua: &Lua, points: &[(f64, f64)], fit: &LobeFit) -> mlua::Result<Table
     Ok(table)
 }
 
-/// The measured points and the sum of lobes, as Fig. 3 shows them.
-fn chart(points: &[(f64, f64)], fit: &LobeFit) -> Chart {
+/// The measured points and the sum of lobes, as Fig. 3 shows them, in the space of the fit.
+fn chart(points: &[(f64, f64)], fit: &LobeFit, space: LobeSpace) -> Chart {
     /// As many as a figure has pixels across.
     const STEPS: usize = 800;
     let ends = points.iter().map(|point| point.0);
@@ -119,7 +120,10 @@ fn chart(points: &[(f64, f64)], fit: &LobeFit) -> Chart {
     Chart {
         title: String::new(),
         x: Axis::linear("angle from the lobe's direction (degrees)"),
-        y: Axis::linear("measured value"),
+        y: match space {
+            LobeSpace::Linear => Axis::linear("measured value"),
+            LobeSpace::Log => Axis::log("measured value"),
+        },
         series: vec![
             Series::scatter("measured", points.iter().map(|&(x, y)| [x, y]).collect()),
             Series::line(&format!("fit, {}", name.join(" and ")), curve),

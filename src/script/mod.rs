@@ -15,6 +15,7 @@ mod display_fit;
 mod emitter;
 mod figure;
 mod file;
+mod grid_check;
 mod image;
 mod light;
 mod lobe_fit;

@@ -2,22 +2,22 @@
 
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
+use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods};
 
 use super::options::{self, Arguments, Options, Range};
 use super::quality::{ASKED_KEYS, asked, warn_of_target};
 use super::scene::LuaScene;
 use super::view::MAX_SIDE;
-use super::{fault, host, image};
+use super::{fault, grid_check, host, image};
 use crate::error::Error;
 use crate::geometry::DVec3;
 use crate::output;
-use crate::photometry::{self, Direction, Grid, Limits, PointCheck};
+use crate::photometry::{self, Direction, Grid};
 use crate::view::View;
 
 /// Handle of a measured grid.
 #[derive(Debug, Clone)]
-pub struct LuaGrid(Arc<Grid>);
+pub struct LuaGrid(pub Arc<Grid>);
 
 const NAMES: [&str; 6] = ["at", "check", "flux", "h", "save", "v"];
 const KEYS: [&str; 9] =
@@ -82,29 +82,6 @@ fn angles(options: &Options, key: &str, range: Range, default: &[f64]) -> mlua::
 }
 
 impl LuaGrid {
-    /// `"S1"` of UN R148, or `{lamp =, file =}`.
-    fn check(&self, lua: &Lua, value: Value) -> mlua::Result<Table> {
-        const OBJECT: &str = "grid:check";
-        let limits = match value {
-            Value::Table(_) => {
-                let options = Options::new(OBJECT, value, &["file", "lamp"])?;
-                let lamp = options.required_text("lamp", "the name of a lamp in the limits")?;
-                match options.text("file")? {
-                    Some(path) => Limits::from_csv(&host::of(lua)?.input(&path)?, &lamp)?,
-                    None => Limits::un_r148(&lamp)?,
-                }
-            }
-            name => Limits::un_r148(&options::text(OBJECT, "lamp", &name)?)?,
-        };
-        let checks = limits.check(&self.0);
-        let table = lua.create_table()?;
-        table.set("pass", checks.iter().all(|check| check.passes))?;
-        table.set("color", limits.color.name())?;
-        let rows = checks.iter().map(|check| point(lua, check));
-        table.set("points", rows.collect::<mlua::Result<Vec<_>>>()?)?;
-        Ok(table)
-    }
-
     fn save(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<()> {
         let path = arguments.text("path")?;
         let options = arguments.options(&["name"])?;
@@ -116,7 +93,7 @@ impl LuaGrid {
                 Ok(output::write_csv(&target, header, rows)?)
             }
             Some("ies") => Ok(output::write_text(&target, &self.0.to_ies(&name))?),
-            Some("ldt") => Ok(output::write_text(&target, &self.0.to_eulumdat(&name))?),
+            Some("ldt") => Ok(output::write_text(&target, &self.0.to_eulumdat(&name)?)?),
             _ => {
                 let allowed = "names ending in .csv, .ies or .ldt";
                 let found = format!("\"{path}\"");
@@ -124,18 +101,6 @@ impl LuaGrid {
             }
         }
     }
-}
-
-fn point(lua: &Lua, check: &PointCheck) -> mlua::Result<Table> {
-    let table = lua.create_table()?;
-    table.set("h", check.requirement.direction.h_deg)?;
-    table.set("v", check.requirement.direction.v_deg)?;
-    table.set("min", check.requirement.min_cd)?;
-    table.set("max", check.requirement.max_cd)?;
-    table.set("intensity", check.intensity_cd)?;
-    table.set("color", check.color.map(|color| color.name()))?;
-    table.set("pass", check.passes)?;
-    Ok(table)
 }
 
 impl UserData for LuaGrid {
@@ -157,7 +122,7 @@ impl UserData for LuaGrid {
             Ok(xyz.y)
         });
         fault::method(methods, "check", |lua, this: &Self, a| {
-            this.check(lua, Arguments::new("grid:check", a, 1)?.value())
+            grid_check::check(lua, &this.0, Arguments::new("grid:check", a, 1)?.value())
         });
         fault::method(methods, "save", |lua, this: &Self, a| {
             this.save(lua, Arguments::new("grid:save", a, 2)?)

@@ -10,6 +10,12 @@ use crate::error::Error;
 /// Names that stay in `os` and `io`; the rest runs programs or opens files.
 const OS_KEPT: [&str; 4] = ["clock", "date", "difftime", "time"];
 const IO_KEPT: [&str; 1] = ["write"];
+/// `io.write` returns the file of standard output, with methods that read, seek and close.
+const CLOSE_FILES: &str = r#"
+    local file = getmetatable(io.stdout)
+    file.__index = { write = file.__index.write }
+    file.__metatable = false
+"#;
 /// Globals that read files.
 const GLOBALS_REMOVED: [&str; 2] = ["dofile", "loadfile"];
 
@@ -27,6 +33,7 @@ pub(super) fn new_state() -> mlua::Result<Lua> {
         | StdLib::OS
         | StdLib::IO;
     let lua = Lua::new_with(libraries, LuaOptions::default())?;
+    lua.load(CLOSE_FILES).set_name("=__files").exec()?;
     let globals = lua.globals();
     keep_only(&globals.get("os")?, &OS_KEPT)?;
     keep_only(&globals.get("io")?, &IO_KEPT)?;

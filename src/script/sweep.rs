@@ -90,7 +90,7 @@ impl Plan {
             host,
             asked: asked(quality_options)?,
             png,
-            display: display.map_or_else(Display::srgb, |display| Display::clone(&display.0)),
+            display: display.map_or_else(Display::srgb, |handle| Display::clone(&handle.display)),
             regions: regions(options.value("regions")?)?,
             digests: Digests::default(),
             gamut: GamutReport::default(),
@@ -122,6 +122,7 @@ impl Plan {
             if views.count().is_none() {
                 progress.more_pixels(item.view.pixels());
             }
+            folder.remove_unfinished_of(&item.name)?;
             progress.begin_view(index, views.count());
             let start = Instant::now();
             let entry = self.render(folder.path(), index, &item, key, &progress)?;
@@ -136,6 +137,7 @@ impl Plan {
     fn key(&mut self, item: &Item) -> mlua::Result<Digest> {
         let mut hasher = Hasher::new();
         hasher.text(&sweep::program());
+        hasher.text(sweep::executable().map_or("", Digest::as_str));
         hasher.text(&self.script_name());
         hasher.text(item.scene.fingerprint().as_str());
         hasher.text(&format!("{:?} {:?} {:?}", item.view, self.asked, self.regions));
@@ -157,7 +159,7 @@ impl Plan {
             // What a function does is in the script and in what it reads.
             Value::Function(_) => Ok(format!("{:?}", self.source()?)),
             Value::UserData(data) => match data.borrow::<LuaDisplay>() {
-                Ok(display) => Ok(format!("{:?}", display.0)),
+                Ok(handle) => Ok(format!("{:?}", handle.display)),
                 Err(_) => Ok(options::describe(value)),
             },
             other => Ok(options::describe(other)),
@@ -175,6 +177,7 @@ impl Plan {
         let seeds = self.host.seeds();
         Ok(sweep::Source {
             program: sweep::program(),
+            executable: sweep::executable().cloned(),
             script: Some(self.digests.of(&self.script_name(), &script)?),
             arguments: self.host.settings.arguments.clone(),
             inputs: inputs
@@ -211,7 +214,7 @@ impl Plan {
         let xyz = image.to_xyz();
         let scale = LuminanceScale::of(&xyz);
         let luminance = sweep::luminance_name(name);
-        output::write_png(&folder.join(&luminance), &sweep::luminance_raster(&xyz, scale))?;
+        output::write_png(&folder.join(&luminance), &sweep::luminance_raster(&xyz, scale)?)?;
         let mut details = self.details(item, &image, &stats)?;
         details.insert("exposure".to_owned(), json!(shown.exposure_factor));
         details.insert("luminance".to_owned(), json!({ "top": scale.top, "max": scale.max }));

@@ -22,22 +22,27 @@ pub struct Folder {
     earlier: BTreeMap<String, Entry>,
     manifest: Manifest,
     seconds: BTreeMap<String, f64>,
+    /// Files that processes had begun when this one came; some may still be at work.
+    unfinished: Vec<String>,
     /// Held as long as the folder is in use.
     _lock: Option<File>,
 }
 
 impl Folder {
-    /// Opens or makes the folder, and removes what killed processes left unfinished.
+    /// Opens or makes the folder, and removes what killed processes left unfinished: all of it for a
+    /// whole sweep, which has the folder alone, and what is its own for a shard.
     ///
     /// Errors: [`Error::Io`]; a `manifest.json` that is none of ours; a folder that another
     /// process sweeps into.
     pub fn open(path: &Path, shard: Option<Shard>, source: Source) -> Result<Self> {
         fs::create_dir_all(path).map_err(|e| Error::io(path, e))?;
         let lock = lock(path, shard)?;
-        if shard.is_none() {
-            remove_unfinished(path)?;
-        }
         let own = manifest_name(shard);
+        let unfinished = unfinished(path)?;
+        let is_ours = |file: &&String| {
+            shard.is_none() || is_of(file, &own) || is_of(file, &timings::name(shard))
+        };
+        unfinished.iter().filter(is_ours).try_for_each(|file| remove(&path.join(file)))?;
         let mut known = BTreeMap::new();
         let mut earlier = BTreeMap::new();
         for name in manifest_names(path)? {
@@ -51,7 +56,7 @@ impl Folder {
         let manifest = Manifest { source, ..Manifest::default() };
         let seconds = timings::read(path, shard);
         let path = path.to_owned();
-        Ok(Self { path, shard, known, earlier, manifest, seconds, _lock: lock })
+        Ok(Self { path, shard, known, earlier, manifest, seconds, unfinished, _lock: lock })
     }
 
     pub fn path(&self) -> &Path {
@@ -84,6 +89,18 @@ impl Folder {
         let entry = Entry { index, ..entry.clone() };
         self.put(entry);
         true
+    }
+
+    /// What a killed process left of a view, which is this run's alone to write.
+    ///
+    /// Errors: [`Error::Io`].
+    pub fn remove_unfinished_of(&self, view: &str) -> Result<()> {
+        let luminance = page::luminance_name(view);
+        let outputs = [format!("{view}.exr"), format!("{view}.png"), luminance];
+        let files = self.unfinished.iter();
+        files
+            .filter(|file| outputs.iter().any(|output| is_of(file, output)))
+            .try_for_each(|file| remove(&self.path.join(file)))
     }
 
     pub(super) fn add_seconds(&mut self, seconds: BTreeMap<String, f64>) {
@@ -167,11 +184,23 @@ pub(super) fn file_names(folder: &Path) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// Files that a killed process had begun: `output::atomic` names them so.
-fn remove_unfinished(folder: &Path) -> Result<()> {
-    let names = file_names(folder)?;
-    let unfinished = names.iter().filter(|n| n.starts_with('.') && n.ends_with(".partial"));
-    unfinished.into_iter().try_for_each(|name| remove(&folder.join(name)))
+/// Files that processes have begun and not ended: `output::atomic` names them so.
+fn unfinished(folder: &Path) -> Result<Vec<String>> {
+    let mut names = file_names(folder)?;
+    names.retain(|name| name.starts_with('.') && name.ends_with(".partial"));
+    Ok(names)
+}
+
+/// Whether an unfinished file was to become `output`.
+fn is_of(unfinished: &str, output: &str) -> bool {
+    let rest = unfinished.strip_prefix('.').and_then(|name| name.strip_prefix(output));
+    let number = |part: &str| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit());
+    let mut parts = rest.unwrap_or_default().split('.');
+    // Process and count follow, as in ".view_0001.exr.4711.0.partial".
+    parts.next() == Some("")
+        && parts.next().is_some_and(number)
+        && parts.next().is_some_and(number)
+        && parts.eq(["partial"])
 }
 
 pub(super) fn remove(path: &Path) -> Result<()> {
@@ -198,5 +227,49 @@ fn lock(path: &Path, shard: Option<Shard>) -> Result<Option<File>> {
             Err(Error::inconsistent("sweep", problem))
         }
         Err(TryLockError::Error(_)) => Ok(None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::scratch::Scratch;
+
+    fn files(scratch: &Scratch) -> Vec<String> {
+        let mut names = file_names(&scratch.path("")).unwrap();
+        names.sort();
+        names
+    }
+
+    fn open(scratch: &Scratch, shard: Option<&str>) -> Folder {
+        let shard = shard.map(|text| text.parse().unwrap());
+        Folder::open(&scratch.path(""), shard, Source::default()).unwrap()
+    }
+
+    #[test]
+    fn shards_remove_what_is_their_own_alone() {
+        let scratch = Scratch::new();
+        let left = [
+            ".manifest.1-of-2.json.7.0.partial",
+            ".manifest.2-of-2.json.8.0.partial",
+            ".timings.1-of-2.js.7.1.partial",
+            ".view_0001.exr.7.2.partial",
+            ".view_0001_luminance.png.7.3.partial",
+            ".view_0001.exr.bak.7.2.partial",
+            ".view_0002.exr.8.1.partial",
+        ];
+        for name in left {
+            std::fs::write(scratch.path(name), "half").unwrap();
+        }
+        let folder = open(&scratch, Some("1/2"));
+        assert_eq!(files(&scratch), [left[1], left[3], left[5], left[4], left[6]]);
+        // What another begins after that is not touched.
+        std::fs::write(scratch.path(".view_0001.png.9.0.partial"), "half").unwrap();
+        folder.remove_unfinished_of("view_0001").unwrap();
+        let kept = [left[1], left[5], ".view_0001.png.9.0.partial", left[6]];
+        assert_eq!(files(&scratch), kept);
+        drop(folder);
+        drop(open(&scratch, None));
+        assert!(files(&scratch).is_empty());
     }
 }

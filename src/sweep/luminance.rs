@@ -1,30 +1,21 @@
-//! Luminance in false color: four decades, from black over red to white.
+//! Luminance in false color, on decades that the views of a sweep share.
 
-use super::page::Legend;
+use crate::error::Result;
+use crate::figure::{FalseColor, Scale, false_color};
 use crate::image::{Metadata, XyzImage};
 use crate::output::{ColorSpace, Raster, Samples};
 
 /// The decades of luminance that a picture shows, the highest ending at a power of ten.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LuminanceScale {
-    /// Exponent of the power of ten that is shown white.
+    /// Exponent of the power of ten at the scale's upper end.
     pub top: i32,
     /// Of the brightest pixel, in the unit of the image.
     pub max: f64,
 }
 
 /// A lamp and its stray light together span about this much.
-pub const DECADES: i32 = 4;
-
-/// sRGB, evenly spaced; each lighter than the one before.
-pub(super) const ANCHORS: [[f64; 3]; 6] = [
-    [0.0, 0.0, 0.0],
-    [0.24, 0.06, 0.44],
-    [0.62, 0.12, 0.42],
-    [0.92, 0.38, 0.20],
-    [0.99, 0.72, 0.25],
-    [1.0, 1.0, 0.88],
-];
+const DECADES: i32 = 4;
 
 impl LuminanceScale {
     /// Powers of ten, so that the views of a sweep mostly share one scale.
@@ -34,67 +25,68 @@ impl LuminanceScale {
         Self { top, max }
     }
 
-    /// 0 to 1, and 0 for black.
-    fn place(self, luminance: f64) -> f64 {
-        if luminance <= 0.0 {
-            return 0.0;
-        }
-        let decades = luminance.log10() - f64::from(self.top - DECADES);
-        (decades / f64::from(DECADES)).clamp(0.0, 1.0)
+    /// Exponents of the powers of ten along the scale.
+    pub(super) fn decades(self) -> impl Iterator<Item = i32> {
+        self.top - DECADES..=self.top
+    }
+
+    /// In words; `unit` may be empty.
+    pub(super) fn text(self, unit: &str) -> String {
+        let Self { top, max } = self;
+        let low = top - DECADES;
+        format!("luminance, logarithmic from 1e{low} to 1e{top}{unit}, up to {max:.4e}{unit}")
     }
 }
 
 /// The picture of `image` on its own scale.
-pub fn luminance_raster(image: &XyzImage, scale: LuminanceScale) -> Raster<'static> {
-    let samples = image.pixels.iter().flat_map(|pixel| digits(scale.place(pixel.y))).collect();
-    Raster {
-        width: image.width,
-        height: image.height,
-        samples: Samples::Eight(samples),
+///
+/// Errors: a pixel that is not finite, named.
+pub fn luminance_raster(image: &XyzImage, scale: LuminanceScale) -> Result<Raster<'static>> {
+    let range = [scale.top - DECADES, scale.top].map(|exponent| 10f64.powi(exponent));
+    let options = FalseColor { scale: Scale::Log, range: Some(range), ..FalseColor::default() };
+    let panel = false_color(image, &options)?;
+    Ok(Raster {
+        width: panel.width,
+        height: panel.height,
+        samples: Samples::Eight(panel.pixels.into_flattened().into()),
         color_space: ColorSpace::Srgb,
-        metadata: Metadata::from([("luminance".to_owned(), Legend::of(scale).text())]),
-    }
-}
-
-fn digits(place: f64) -> [u8; 3] {
-    let last = ANCHORS.len() - 1;
-    let position = place * last as f64;
-    let before = (position as usize).min(last - 1);
-    let t = position - before as f64;
-    std::array::from_fn(|c| {
-        let value = ANCHORS[before][c] + t * (ANCHORS[before + 1][c] - ANCHORS[before][c]);
-        (value * 255.0).round() as u8
+        metadata: Metadata::from([("luminance".to_owned(), scale.text(""))]),
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::{Xyz, srgb_decode, xyz_from_rec709};
+    use crate::color::Xyz;
+    use crate::figure::scale_colors;
 
-    #[test]
-    fn brighter_is_lighter() {
-        let luminance = |step: u32| {
-            let rgb = digits(f64::from(step) / 255.0);
-            xyz_from_rec709(rgb.map(|d| srgb_decode(f64::from(d) / 255.0))).y
-        };
-        for step in 1..=255 {
-            assert!(luminance(step) > luminance(step - 1) - 1e-4, "step {step}");
-        }
-        assert_eq!(digits(0.0), [0; 3]);
-        assert_eq!(digits(1.0), [255, 255, 224]);
+    fn image(luminances: &[f64]) -> XyzImage {
+        let pixels = luminances.iter().map(|&y| Xyz::new(y, y, y)).collect();
+        XyzImage { width: luminances.len(), height: 1, pixels }
     }
 
     #[test]
     fn scales_end_at_powers_of_ten() {
-        let image = |y: f64| XyzImage { width: 1, height: 1, pixels: vec![Xyz::new(y, y, y)] };
         for (max, top) in [(3.0, 1), (10.0, 1), (10.1, 2), (2e-7, -6), (0.0, 0), (1e300, 300)] {
-            let scale = LuminanceScale::of(&image(max));
+            let scale = LuminanceScale::of(&image(&[max]));
             assert_eq!((scale.top, scale.max), (top, max));
         }
-        let scale = LuminanceScale { top: 2, max: 100.0 };
-        for (luminance, place) in [(100.0, 1.0), (1.0, 0.5), (1e-9, 0.0), (0.0, 0.0), (1e9, 1.0)] {
-            assert_eq!(scale.place(luminance), place);
-        }
+    }
+
+    #[test]
+    fn four_decades_have_colors() {
+        let image = image(&[0.0, 0.009, 0.01, 1.0, 100.0]);
+        let scale = LuminanceScale::of(&image);
+        let raster = luminance_raster(&image, scale).unwrap();
+        let colors = scale_colors();
+        let [foot, end] = [colors[0], colors[colors.len() - 1]];
+        let middle = colors[colors.len() / 2];
+        assert_eq!(raster.samples, Samples::Eight([foot, foot, foot, middle, end].concat().into()));
+    }
+
+    #[test]
+    fn black_is_drawn() {
+        let black = image(&[0.0]);
+        assert!(luminance_raster(&black, LuminanceScale::of(&black)).is_ok());
     }
 }

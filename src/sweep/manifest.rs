@@ -29,6 +29,8 @@ pub struct Manifest {
 pub struct Source {
     /// Program and version.
     pub program: String,
+    /// Digest of the program's file; `None` where the system does not show it.
+    pub executable: Option<Digest>,
     pub script: Option<FileDigest>,
     pub arguments: Vec<String>,
     /// Everything that the script read, by the names that it used, in their order.
@@ -128,6 +130,7 @@ impl Source {
         let script = value.get("script")?;
         Some(Self {
             program: value.get("program")?.as_str()?.to_owned(),
+            executable: value.get("executable").and_then(Value::as_str).and_then(Digest::parse),
             script: if script.is_null() { None } else { Some(FileDigest::from_json(script)?) },
             arguments: list(value.get("arguments"), |a| a.as_str().map(str::to_owned))?,
             inputs: list(value.get("inputs"), FileDigest::from_json)?,
@@ -139,10 +142,11 @@ impl Source {
 impl Manifest {
     /// Keys are sorted, so that equal manifests are equal texts.
     pub fn to_text(&self) -> String {
-        let Source { program, script, arguments, inputs, seeds } = &self.source;
+        let Source { program, executable, script, arguments, inputs, seeds } = &self.source;
         let value = json!({
             "format": FORMAT,
             "program": program,
+            "executable": executable.as_ref().map(Digest::as_str),
             "script": script.as_ref().map(FileDigest::to_json),
             "arguments": arguments,
             "inputs": to_list(inputs, FileDigest::to_json),
@@ -199,6 +203,7 @@ mod tests {
         Manifest {
             source: Source {
                 program: "lampyris 0".to_owned(),
+                executable: Some(Digest::of_bytes(b"build")),
                 script: Some(file("전조등.lua")),
                 arguments: vec!["320".to_owned()],
                 inputs: vec![file("../data/a.csv")],

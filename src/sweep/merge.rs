@@ -78,7 +78,7 @@ fn check(shards: &Shards) -> Result<()> {
     }
     for (shard, (_, manifest)) in shards {
         if manifest.source != model.source || manifest.display != model.display {
-            let problem = "differ in program, script, arguments, inputs or display";
+            let problem = "differ in program or its build, script, arguments, inputs or display";
             return Err(fault(format!("shards {first} and {shard} {problem}")));
         }
     }

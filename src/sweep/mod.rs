@@ -16,6 +16,7 @@ mod luminance;
 mod manifest;
 mod merge;
 mod page;
+mod program;
 mod record;
 mod shard;
 mod timings;
@@ -28,11 +29,7 @@ pub use luminance::{LuminanceScale, luminance_raster};
 pub use manifest::{Entry, FileDigest, Manifest, Source};
 pub use merge::{Merged, merge};
 pub use page::luminance_name;
+pub use program::{executable, program};
 pub use record::{Reading, asked_record, display_record, stats_record, view_record};
 pub use shard::Shard;
 pub use verify::{Report, verify};
-
-/// What every manifest names as its maker.
-pub fn program() -> String {
-    format!("lampyris {}", env!("CARGO_PKG_VERSION"))
-}

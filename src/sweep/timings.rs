@@ -15,7 +15,7 @@ const BEFORE: &str = "const lampyrisTimings = ";
 const AFTER: &str = ";\n";
 const WHOLE: &str = "timings.js";
 
-fn name(shard: Option<Shard>) -> String {
+pub(super) fn name(shard: Option<Shard>) -> String {
     match shard {
         None => WHOLE.to_owned(),
         Some(shard) => shard.manifest_name().replace("manifest.", "timings.").replace("json", "js"),

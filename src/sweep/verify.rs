@@ -12,6 +12,8 @@ pub struct Report {
     pub good: usize,
     /// A line each, for people.
     pub problems: Vec<String>,
+    /// What is no fault, but good to know.
+    pub notes: Vec<String>,
 }
 
 /// Compares outputs, and where `script` is given the script and its inputs, with `manifest`.
@@ -50,6 +52,9 @@ impl Report {
         if manifest.source.program != program {
             let made_by = &manifest.source.program;
             self.problems.push(format!("made by {made_by}, this is {program}"));
+        } else if manifest.source.executable.as_ref() != super::executable() {
+            let note = "made by another build of {program}: this one would render all views again";
+            self.notes.push(note.replace("{program}", &program));
         }
     }
 

@@ -527,6 +527,31 @@ const FAULTS: &[[&str; 3]] = &[
         "limits: lamp is \"S9\", allowed: R1, R2, S1, S2, 2a, 2b, S3, S4",
     ],
     [
+        "lamp that is never marked D",
+        "L.photometry.grid { scene = absolute, h = { 0 }, v = { 0 }, width = 4, height = 4 }:check { lamp = '2b', marked_d = true }",
+        "grid:check: \"marked_d\": UN R148, as far as it is known here, has no maximum for 2b",
+    ],
+    [
+        "field of visibility beyond the grid",
+        "L.photometry.grid { scene = absolute, h = { 0 }, v = { 0 }, width = 4, height = 4 }:check { lamp = 'S1', side = 'left' }",
+        "grid:check: the grid has to reach over h from -45° to 45°, v from -15° to 15°",
+    ],
+    [
+        "EULUMDAT of a single direction",
+        "L.photometry.grid { scene = absolute, h = { 0 }, v = { 0 }, width = 4, height = 4 }:save 'g.ldt'",
+        "grid:save: EULUMDAT goes around the axis: h and v have to reach from -1° to 1° at least",
+    ],
+    [
+        "exposure by a word",
+        "scene:render(view):save('v.png', { exposure = 'bright' })",
+        "image:save: \"exposure\" is \"bright\", allowed: \"auto\", a factor above 0, {ev = stops}",
+    ],
+    [
+        "tone curve that fails",
+        "L.scene { objects = {}, background = 1 }:render(view):save('v.png', { tone = function() error('no tone') end })",
+        "image:save: tone: s.lua:10: no tone",
+    ],
+    [
         "sweep without an output",
         "L.sweep { scene = scene, views = { view } }",
         "sweep: missing \"output\", expected a folder below the output folder",

@@ -215,6 +215,122 @@ fn ctrl_c_ends_endless_loops() {
     }
 }
 
+/// What is stuck inside of a function of Lua's library, or where Lua asks for no hook.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_what_never_looks_up() {
+    let bodies = [
+        "string.rep('', 1 << 60)",
+        "string.find(('a'):rep(60), ('a?'):rep(60) .. ('a'):rep(60))",
+        "string.gsub(('a'):rep(60), ('a-'):rep(60) .. 'b', '')",
+        "table.move({}, 1, 1 << 60, 2)",
+        "setmetatable({}, { __gc = function() while true do end end }) collectgarbage()",
+    ];
+    let bench = Bench::new();
+    let mut children = Vec::new();
+    for (at, body) in bodies.iter().enumerate() {
+        let name = format!("{at}.lua");
+        bench.write(&name, &format!("pcall(function() {body} end) while true do end"));
+        let mut command = bench.command(&["run", &name]);
+        let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn();
+        children.push((body, child.expect("a start")));
+    }
+    sleep(Duration::from_millis(300));
+    for (_, child) in &children {
+        let id = child.id().to_string();
+        std::process::Command::new("kill").args(["-INT", &id]).status().expect("kill runs");
+    }
+    let start = Instant::now();
+    for (body, mut child) in children {
+        while child.try_wait().expect("a status").is_none() {
+            if start.elapsed() > Duration::from_secs(15) {
+                child.kill().expect("SIGKILL");
+                panic!("{body}: goes on after Ctrl-C");
+            }
+            sleep(Duration::from_millis(20));
+        }
+        let output = child.wait_with_output().expect("an end");
+        assert_eq!(output.status.code(), Some(130), "{body}: {}", text(&output.stderr));
+        assert_eq!(text(&output.stderr), "interrupted\n", "{body}");
+    }
+}
+
+/// What Lua offers to get at values that are not the script's own.
+#[test]
+fn the_state_is_closed() {
+    let bench = Bench::new();
+    bench.write("outside.lua", "return 1");
+    bench.write("inner/.hidden.lua", "return 1");
+    bench.write("inner/data.csv", "380,1\n780,1\n");
+    bench.write(
+        "inner/script.lua",
+        r##"
+        local L = require "lampyris"
+        local function refused(f, ...)
+          local ok, message = pcall(f, ...)
+          assert(not ok, "went through")
+          return tostring(message)
+        end
+        -- Bytecode, also from a reader function, also where "b" asks for it.
+        local bytes = "\27Lua\x54\0\x19\x93\r\n\x1a\n"
+        for _, mode in ipairs { "b", "bt", "t" } do
+          local pieces = { bytes }
+          local f, message = load(function() return table.remove(pieces) end, "x", mode)
+          assert(f == nil and message:find "binary", message)
+        end
+        assert(string.dump == nil and debug == nil and package == nil)
+        -- Names of modules that are paths.
+        for _, name in ipairs {
+          "../outside", "..outside", ".hidden", "a/b", "/etc/passwd", "a\\b", "a\0b", "", ".", "..",
+          "outside\0", "%2e%2e/outside",
+        } do refused(require, name) end
+        refused(require, 3)
+        refused(require, {})
+        -- Paths of inputs.
+        for _, path in ipairs { "../outside.lua", "/etc/passwd", "/proc/self/environ", "./../outside.lua",
+          "data.csv/../../outside.lua", "data.csv\0.png", "" } do
+          refused(L.read, path)
+        end
+        -- Handles and modules keep their metatables to themselves.
+        for _, value in ipairs { L.spectrum.constant(1), L.display.srgb, L, L.mesh } do
+          local meta = getmetatable(value)
+          assert(type(meta) ~= "table", "a metatable can be had")
+          refused(setmetatable, value, {})
+        end
+        -- Standard output can be written, not read, moved or closed.
+        local file = io.write(""):write("")
+        for _, name in ipairs { "close", "flush", "lines", "read", "seek", "setvbuf" } do
+          assert(file[name] == nil, name)
+        end
+        assert(getmetatable(file) == false)
+        -- What strings share is the script's own: to spoil it spoils nothing of ours.
+        getmetatable("").__index = function() return nil end
+        getmetatable("").__add = function() return 7 end
+        assert("a" + 1 == 7)
+        refused(L.view, { fov_deg = 3 })
+        assert(pcall(L.spectrum.load, "data.csv"))
+        -- Nor does it help to replace what our functions were made from.
+        rawset(_G, "pcall", nil)
+        rawset(_G, "error", nil)
+        tostring = nil
+        assert(L.spectrum.load("data.csv"):at(500) == 1)
+        -- Coroutines: the same world.
+        local c = coroutine.wrap(function() return io.open, os.execute end)
+        assert(select("#", c()) == 2 and c == c)
+        "##,
+    );
+    let mut command = bench.command(&["run", "script.lua"]);
+    let output = command.current_dir(bench.path("inner")).output().expect("a start");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+}
+
+#[test]
+fn memory_has_a_limit_by_itself() {
+    let bench = Bench::new();
+    let message = bench.fail_script("local s = ('x'):rep(0x7fffff00)");
+    assert_eq!(message, "script: out of memory\n");
+}
+
 #[test]
 fn random_numbers_repeat() {
     let bench = Bench::new();

@@ -39,6 +39,7 @@ for k = 1, 8 do
 end
 local done = lampyris.sweep {
   scene = scene, views = views, output = "s",
+  png = { display = lampyris.display.eizo_t766 },
   quality = { samples = 9, light_error = 0 },
   regions = { center = { x = 30, y = 20, width = 4, height = 4 } },
 }
@@ -195,6 +196,36 @@ fn what_no_longer_matches_is_rendered_again() {
     assert_same(&bench.files("out/s"), &expected);
 }
 
+/// An executable with a byte more runs the same, but is another build.
+#[cfg(unix)]
+#[test]
+fn another_build_renders_again() {
+    let bench = bench();
+    finish(&bench);
+    let other = bench.path("other");
+    fs::copy(env!("CARGO_BIN_EXE_lampyris"), &other).expect("a copy");
+    let mut file = fs::File::options().append(true).open(&other).expect("an open file");
+    std::io::Write::write_all(&mut file, b"\0").expect("a byte more");
+    drop(file);
+    let run = |arguments: &[&str]| {
+        let mut command = std::process::Command::new(&other);
+        let output = command.args(arguments).current_dir(bench.path("")).output();
+        let output = output.expect("a start");
+        (output.status.success(), text(&output.stdout), text(&output.stderr))
+    };
+    let verified = run(&["verify", "out/s/manifest.json", "--script", "sweep.lua"]);
+    assert!(verified.0, "{}", verified.2);
+    let note =
+        "note: made by another build of lampyris 0.1.0: this one would render all views again\n";
+    assert_eq!(verified.2, note);
+    let counts = || run(&RUN).1;
+    assert_eq!((counts(), counts()), ("8\t0\n".to_owned(), "0\t8\n".to_owned()));
+    run(&["run", "sweep.lua", "--quiet", "--shard=1/2", "--out=shards"]);
+    bench.succeed(&["run", "sweep.lua", "--quiet", "--shard=2/2", "--out=shards"]);
+    let message = bench.fail(&["merge", "shards/s"]);
+    assert!(message.contains("differ in program"), "{message}");
+}
+
 #[test]
 fn shards_merge_to_the_bytes_of_one_run() {
     let expected = unbroken();
@@ -219,7 +250,7 @@ fn shards_of_different_inputs_do_not_merge() {
     bench.succeed(&["run", "sweep.lua", "--quiet", "--shard=2/2"]);
     let message = bench.fail(&["merge", "out/s"]);
     assert!(
-        message.starts_with("merge: shards 1/2 and 2/2 differ in program, script"),
+        message.starts_with("merge: shards 1/2 and 2/2 differ in program or its build, script"),
         "{message}"
     );
     assert!(bench.fail(&["merge", "."]).starts_with("merge: no shards"));

@@ -1,6 +1,5 @@
 //! `index.html`: the sweep on one page that needs nothing beside it.
 
-mod base64;
 mod chart;
 
 use std::fmt::Write;
@@ -9,9 +8,10 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::contact_sheet;
-use super::luminance::{ANCHORS, DECADES, LuminanceScale};
+use super::luminance::LuminanceScale;
 use super::manifest::{Entry, FileDigest, Manifest};
 use crate::error::{Error, Result};
+use crate::figure::scale_colors;
 use crate::output;
 
 const NAME: &str = "index.html";
@@ -62,7 +62,7 @@ pub fn luminance_name(view: &str) -> String {
 fn data_uri(folder: &Path, name: &str) -> Result<String> {
     let path = folder.join(name);
     let bytes = std::fs::read(&path).map_err(|e| Error::io(&path, e))?;
-    Ok(format!("data:image/png;base64,{}", base64::encode(&bytes)))
+    Ok(format!("data:image/png;base64,{}", output::base64(&bytes)))
 }
 
 /// Text that may stand between tags and in attributes.
@@ -120,7 +120,6 @@ fn section(entry: &Entry, picture: &str, luminance: &str) -> String {
     let regions: Vec<(&String, &Value)> =
         details.get("regions").and_then(Value::as_object).into_iter().flatten().collect();
     let size = [number(&details, &["view", "width"]), number(&details, &["view", "height"])];
-    let legend = Legend::of_details(&details);
     let mut html = format!(
         "<section id='{name}' data-title='{title}'><h2>{title}</h2>\n<div class='pictures'>\
          <figure><div class='picture'><img alt='{title}' src='{picture}'>{}</div>\
@@ -129,7 +128,7 @@ fn section(entry: &Entry, picture: &str, luminance: &str) -> String {
          </div>\n",
         outlines(&regions, size),
         number(&details, &["exposure"]),
-        legend.html(),
+        luminance_legend(&details),
     );
     if !regions.is_empty() {
         let (spectra, colors) = (chart::spectra(&regions), chart::chromaticities(&regions));
@@ -186,53 +185,26 @@ fn facts(details: &Value) -> String {
 }
 
 /// What the colors of a luminance picture mean.
-pub(super) struct Legend {
-    top: i32,
-    max: f64,
-    unit: &'static str,
-}
-
-impl Legend {
-    pub(super) fn of(scale: LuminanceScale) -> Self {
-        Self { top: scale.top, max: scale.max, unit: "" }
-    }
-
-    fn of_details(details: &Value) -> Self {
-        let absolute = details.get("photometry").and_then(Value::as_str) == Some("absolute");
-        Self {
-            top: number(details, &["luminance", "top"]) as i32,
-            max: number(details, &["luminance", "max"]),
-            unit: if absolute { " cd/m²" } else { "" },
-        }
-    }
-
-    /// In words.
-    pub(super) fn text(&self) -> String {
-        let Self { top, max, unit } = self;
-        let low = top - DECADES;
-        format!(
-            "luminance, logarithmic from 1e{low} (black) to 1e{top}{unit} (white), up to {max:.4e}{unit}"
-        )
-    }
-
-    fn html(&self) -> String {
-        let colors: Vec<String> = ANCHORS
-            .iter()
-            .map(|rgb| {
-                let [r, g, b] = rgb.map(|v| (v * 255.0).round());
-                format!("rgb({r},{g},{b})")
-            })
-            .collect();
-        let decades: String = (self.top - DECADES..=self.top)
-            .map(|exponent| format!("<span>1e{exponent}</span>"))
-            .collect();
-        format!(
-            "<div class='legend' style='background:linear-gradient(to right,{})'></div>\
-             <div class='decades'>{decades}</div><figcaption>{}</figcaption>",
-            colors.join(","),
-            self.text()
-        )
-    }
+fn luminance_legend(details: &Value) -> String {
+    /// As many colors make a smooth band.
+    const STOPS: usize = 16;
+    let scale = LuminanceScale {
+        top: number(details, &["luminance", "top"]) as i32,
+        max: number(details, &["luminance", "max"]),
+    };
+    let absolute = details.get("photometry").and_then(Value::as_str) == Some("absolute");
+    let unit = if absolute { " cd/m²" } else { "" };
+    let all = scale_colors();
+    let stops = (0..STOPS).map(|stop| all[stop * (all.len() - 1) / (STOPS - 1)]);
+    let colors: Vec<String> = stops.map(|[r, g, b]| format!("rgb({r},{g},{b})")).collect();
+    let decades = scale.decades().map(|exponent| format!("<span>1e{exponent}</span>"));
+    format!(
+        "<div class='legend' style='background:linear-gradient(to right,{})'></div>\
+         <div class='decades'>{}</div><figcaption>{}</figcaption>",
+        colors.join(","),
+        decades.collect::<String>(),
+        scale.text(unit)
+    )
 }
 
 #[cfg(test)]

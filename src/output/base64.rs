@@ -2,7 +2,7 @@
 
 const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
-pub(super) fn encode(bytes: &[u8]) -> String {
+pub fn base64(bytes: &[u8]) -> String {
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for chunk in bytes.chunks(3) {
         let byte = |at: usize| u32::from(chunk.get(at).copied().unwrap_or(0));
@@ -25,8 +25,8 @@ mod tests {
         let pairs =
             [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg==")];
         for (plain, encoded) in pairs {
-            assert_eq!(encode(plain.as_bytes()), encoded);
+            assert_eq!(base64(plain.as_bytes()), encoded);
         }
-        assert_eq!(encode(&[0xff, 0xef, 0xbe]), "/+++");
+        assert_eq!(base64(&[0xff, 0xef, 0xbe]), "/+++");
     }
 }
