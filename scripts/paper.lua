@@ -156,10 +156,6 @@ end
 
 -- Pictures. --------------------------------------------------------------------------------------
 
--- The lamps by their old names, for tradeoff.lua.
-paper.lamp, paper.build, paper.lights, paper.view =
-  require, model.build, model.lights, model.view
-
 --- From luminance to sRGB's cd/m², so that `white` becomes white.
 function paper.exposure(white)
   local _, display_white = lampyris.display.srgb:xyz(255, 255, 255)

@@ -149,15 +149,8 @@ impl XyzImage {
     pub fn luminance_percentile(&self, percent: f64) -> Result<f64> {
         self.check_finite()?;
         let mut luminances: Vec<f64> = self.pixels.iter().map(|c| c.y).collect();
-        let Some(last) = luminances.len().checked_sub(1) else {
-            return Err(Error::inconsistent("image", "has no pixels"));
-        };
-        let place = percent / 100.0 * last as f64;
-        let below = (place as usize).min(last);
-        let (_, &mut low, above) = luminances.select_nth_unstable_by(below, f64::total_cmp);
-        let high = above.iter().copied().fold(f64::INFINITY, f64::min);
-        let t = place - below as f64;
-        Ok(if t > 0.0 && high.is_finite() { low + t * (high - low) } else { low })
+        percentile(&mut luminances, percent)
+            .ok_or_else(|| Error::inconsistent("image", "has no pixels"))
     }
 
     /// Errors: [`Error::Inconsistent`] with the first pixel that is NaN or infinite.
@@ -175,6 +168,17 @@ impl XyzImage {
         let problem = format!("pixel x = {column}, y = {row} {problem}: XYZ = ({x}, {y}, {z})");
         Error::inconsistent("image", problem)
     }
+}
+
+/// What `percent` of the values do not exceed, linear between their ranks; `None` without values.
+pub(crate) fn percentile(values: &mut [f64], percent: f64) -> Option<f64> {
+    let last = values.len().checked_sub(1)?;
+    let place = percent / 100.0 * last as f64;
+    let below = (place as usize).min(last);
+    let (_, &mut low, above) = values.select_nth_unstable_by(below, f64::total_cmp);
+    let high = above.iter().copied().fold(f64::INFINITY, f64::min);
+    let t = place - below as f64;
+    Some(if t > 0.0 && high.is_finite() { low + t * (high - low) } else { low })
 }
 
 #[cfg(test)]

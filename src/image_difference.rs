@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::color::{Lab, Xyz, delta_e_2000};
 use crate::display::{AUTO_PERCENT, Display};
 use crate::error::{Error, Result};
-use crate::image::{SpectralImage, XyzImage};
+use crate::image::{SpectralImage, XyzImage, percentile};
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
 /// Differences over the lit pixels: those whose luminance in the reference is at least [`LIT`] of
@@ -39,7 +39,8 @@ impl ImageDifference {
         }
         let (shown, expected) = (image.to_xyz(), reference.to_xyz());
         let white = white_of(&expected)?;
-        let is_lit = |pixel: &usize| expected.pixels[*pixel].y >= LIT * white.y;
+        let threshold = lit_luminance(expected.pixels.iter().map(|c| c.y).collect());
+        let is_lit = |pixel: &usize| expected.pixels[*pixel].y >= threshold;
         let lit: Vec<usize> = (0..expected.pixels.len()).filter(is_lit).collect();
         let colors: Vec<[Xyz; 2]> =
             lit.iter().map(|&at| [shown.pixels[at], expected.pixels[at]]).collect();
@@ -65,16 +66,24 @@ impl ImageDifference {
 
 /// D65 as bright as auto exposure takes for white; above 0, so at least one pixel is lit.
 fn white_of(reference: &XyzImage) -> Result<Xyz> {
-    let brightest = || reference.luminance_percentile(100.0);
-    let luminance = match reference.luminance_percentile(AUTO_PERCENT)? {
-        dark if dark <= 0.0 => brightest()?,
-        bright => bright,
-    };
+    reference.check_finite()?;
+    let luminance = white_luminance(reference.pixels.iter().map(|c| c.y).collect());
     if luminance <= 0.0 {
         return Err(Error::inconsistent("image difference", "the reference is black"));
     }
     let white = Display::srgb().white();
     Ok(white * (luminance / white.y))
+}
+
+/// Of a picture with these luminances; 0 if all are.
+fn white_luminance(mut luminances: Vec<f64>) -> f64 {
+    let shares = [AUTO_PERCENT, 100.0].map(|percent| percentile(&mut luminances, percent));
+    shares.into_iter().flatten().find(|&luminance| luminance > 0.0).unwrap_or(0.0)
+}
+
+/// The luminance from which on pixels of a picture with these count as lit; 0 if all are black.
+pub fn lit_luminance(luminances: Vec<f64>) -> f64 {
+    LIT * white_luminance(luminances)
 }
 
 fn spectral_rms(image: &SpectralImage, reference: &SpectralImage, pixels: &[usize]) -> f64 {

@@ -53,7 +53,7 @@ const MODELS: [(&str, &str); 4] =
     [("model1", "15"), ("model2", "00"), ("model3", "turn"), ("model4", "tail")];
 
 /// Scripts that draw a figure of their own name.
-const FIGURES: [&str; 13] = [
+const FIGURES: [&str; 14] = [
     "fig1",
     "fig3",
     "fig5",
@@ -66,6 +66,7 @@ const FIGURES: [&str; 13] = [
     "fig8_samples",
     "glare",
     "start_points",
+    "target_error",
     "tradeoff",
 ];
 

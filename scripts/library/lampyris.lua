@@ -363,6 +363,7 @@ function lampyris.view(options) end
 ---@field min_throughput? number  0 to 1; default 1e-3
 ---@field light_error? number  bound on the relative error of the sum over light samples, 0 to 1; 0 is the exact sum; default 0.01
 ---@field wavelength_step? 5|10|20  nm; default 5
+---@field target_error? number  instead of all others: relative rms error of luminance over lit pixels, between 0 and 1
 
 ---@param view View
 ---@param quality? Quality
@@ -400,7 +401,7 @@ function Scene:paths(view, options) end
 ---@class Image
 ---@field width integer
 ---@field height integer
----@field stats table  rays, light evaluations, seconds, memory
+---@field stats table  rays, light evaluations, seconds, memory; with target_error, what it chose in stats.target
 local Image = {}
 
 ---@class Region

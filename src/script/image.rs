@@ -21,7 +21,7 @@ use crate::light::Photometry;
 use crate::memory;
 use crate::output;
 use crate::photometry;
-use crate::render::RenderStats;
+use crate::render::{RenderStats, TargetReport};
 use crate::scene::{BuildSeconds, Prepared};
 use crate::spectrum::Spectrum;
 use crate::view::View;
@@ -379,5 +379,28 @@ fn stats(lua: &Lua, rendered: &Rendered) -> mlua::Result<Table> {
         table.set(name, value)?;
     }
     table.set("peak_memory_mb", memory::peak_mb())?;
+    table.set("target", stats.target.map(|report| target_table(lua, &report)).transpose()?)?;
+    Ok(table)
+}
+
+/// What `target_error` chose, and the errors that it estimates.
+fn target_table(lua: &Lua, report: &TargetReport) -> mlua::Result<Table> {
+    let table = lua.create_table()?;
+    let numbers = [
+        ("error", report.error()),
+        ("sampling_error", report.sampling_error),
+        ("light_sum_error", report.light_error),
+        ("truncation_error", report.truncation_error),
+        ("samples", report.mean_samples),
+        ("min_throughput", report.limits.min_throughput),
+        ("light_error", report.limits.light_error),
+        ("wavelength_step", report.grid.step_nm()),
+    ];
+    for (name, value) in numbers {
+        table.set(name, value)?;
+    }
+    table.set("reached", report.is_reached())?;
+    table.set("most_samples", report.most_samples)?;
+    table.set("max_depth", report.limits.max_depth)?;
     Ok(table)
 }

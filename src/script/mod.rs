@@ -23,6 +23,7 @@ mod material;
 mod mesh;
 mod paths;
 mod photometry;
+mod quality;
 mod scene;
 mod spectrum;
 mod sweep;

@@ -4,7 +4,8 @@ use mlua::{Lua, Table};
 
 use super::host;
 use super::options::{self, Arguments, Range};
-use super::scene::{LuaScene, quality};
+use super::quality::quality;
+use super::scene::LuaScene;
 use super::view::LuaView;
 use crate::render;
 use crate::shading::{PathKind, PathSegment};

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods};
 
 use super::options::{self, Arguments, Options, Range};
-use super::scene::{LuaScene, QUALITY_KEYS, quality};
+use super::quality::{ASKED_KEYS, asked, warn_of_target};
+use super::scene::LuaScene;
 use super::view::MAX_SIDE;
 use super::{fault, grid_check, host, image};
 use crate::error::Error;
 use crate::geometry::DVec3;
 use crate::output;
 use crate::photometry::{self, Direction, Grid};
-use crate::render;
 use crate::view::View;
 
 /// Handle of a measured grid.
@@ -42,8 +42,8 @@ fn grid(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaGrid> {
     let host = host::of(lua)?;
     let scene: LuaScene = options.required_handle("scene", "a scene")?;
     let quality_options =
-        Options::new("photometry.grid: quality", options.value("quality")?, &QUALITY_KEYS)?;
-    let quality = quality(quality_options)?;
+        Options::new("photometry.grid: quality", options.value("quality")?, &ASKED_KEYS)?;
+    let asked = asked(quality_options)?;
     let h_deg = angles(&options, "h", Range::new(-360.0, 360.0, "degrees"), &H_DEG)?;
     let v_deg = angles(&options, "v", Range::new(-90.0, 90.0, "degrees"), &V_DEG)?;
     let model = view(&options)?;
@@ -52,7 +52,8 @@ fn grid(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaGrid> {
     let measure = |direction: Direction| -> crate::Result<_> {
         let Direction { h_deg, v_deg } = direction;
         let view = View { azimuth_deg: h_deg, elevation_deg: v_deg, ..model };
-        let (rendered, _) = render::render(&prepared, &view, &quality, &progress)?;
+        let (rendered, stats) = asked.render(&prepared, &view, &progress)?;
+        warn_of_target(&host, &stats);
         image::warn_of_cut_off(&host, &rendered, &view);
         photometry::intensity(&rendered, &view)
     };

@@ -2,22 +2,22 @@
 
 use std::sync::{Arc, OnceLock};
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
+use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods};
 
 use super::host::Host;
 use super::image::LuaImage;
 use super::light::LuaLight;
 use super::material::LuaMaterial;
 use super::mesh::LuaMesh;
-use super::options::{self, Arguments, Options, Range};
-use super::spectrum::grid_from_step;
+use super::options::{self, Arguments, Options};
+use super::quality::{ASKED_KEYS, asked, quality, warn_of_target};
 use super::view::LuaView;
 use super::{fault, host, paths};
 use crate::error::Error;
 use crate::light::Photometry;
 use crate::material::Material;
 use crate::plausibility;
-use crate::render::{self, Quality, Samples};
+use crate::render;
 use crate::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
 use crate::spectrum::Spectrum;
 use crate::sweep::{self, Digest};
@@ -32,11 +32,6 @@ pub struct LuaScene {
 }
 
 const KEYS: [&str; 6] = ["ambient", "background", "lights", "objects", "photometry", "shadows"];
-
-pub(super) const QUALITY_KEYS: [&str; 5] =
-    ["light_error", "max_depth", "min_throughput", "samples", "wavelength_step"];
-
-const MAX_SAMPLES_A_PIXEL: u64 = 1_000_000;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     module.set("scene", fault::function(lua, |lua, a| scene(lua, Arguments::new("scene", a, 1)?))?)
@@ -120,12 +115,13 @@ impl LuaScene {
     fn render(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaImage> {
         let value = arguments.value();
         let view: LuaView = options::handle("scene:render", "argument 1", &value, "a view")?;
-        let quality = quality(arguments.options(&QUALITY_KEYS)?)?;
+        let asked = asked(arguments.options(&ASKED_KEYS)?)?;
         let host = host::of(lua)?;
         let prepared = self.prepared(&host)?;
         warn_of_view(&host, &prepared, &view.0);
         let progress = host.progress(view.0.pixels());
-        let (mut image, stats) = render::render(&prepared, &view.0, &quality, &progress)?;
+        let (mut image, stats) = asked.render(&prepared, &view.0, &progress)?;
+        warn_of_target(&host, &stats);
         image.metadata.insert("script".to_owned(), host.script.display().to_string());
         Ok(LuaImage::new(image, stats, view.0, &prepared))
     }
@@ -158,44 +154,6 @@ impl LuaScene {
 
 pub(super) fn warn_of_view(host: &Host, prepared: &Prepared, view: &View) {
     plausibility::of_view(prepared, view).into_iter().for_each(|warning| host.warn(warning));
-}
-
-/// Errors: keys and ranges of the quality options.
-pub(super) fn quality(options: Options) -> mlua::Result<Quality> {
-    let mut quality = Quality::default();
-    let limits = &mut quality.limits;
-    if let Some(depth) = options.count("max_depth", 0, 1000)? {
-        limits.max_depth = depth as u32;
-    }
-    limits.min_throughput =
-        options.number_or("min_throughput", Range::RATIO, limits.min_throughput)?;
-    limits.light_error = options.number_or("light_error", Range::RATIO, limits.light_error)?;
-    if options.has("wavelength_step")? {
-        let value = options.value("wavelength_step")?;
-        quality.grid = grid_from_step(options.object(), "\"wavelength_step\"", &value)?;
-    }
-    quality.samples = samples(&options, quality.samples)?;
-    Ok(quality)
-}
-
-/// A count, or `{min =, max =, error =}`.
-fn samples(options: &Options, default: Samples) -> mlua::Result<Samples> {
-    let object = format!("{}: samples", options.object());
-    match options.value("samples")? {
-        Value::Nil => Ok(default),
-        table @ Value::Table(_) => {
-            let options = Options::new(&object, table, &["error", "max", "min"])?;
-            let min = options.count("min", 2, MAX_SAMPLES_A_PIXEL)?.unwrap_or(4);
-            let max = options.count("max", min, MAX_SAMPLES_A_PIXEL)?.unwrap_or(256.max(min));
-            let error = options.number_or("error", Range::above_zero(""), 0.01)?;
-            Ok(Samples::Adaptive { min: min as u32, max: max as u32, error })
-        }
-        value => {
-            let count =
-                options::count(options.object(), "\"samples\"", &value, 1, MAX_SAMPLES_A_PIXEL)?;
-            Ok(Samples::Fixed(count as u32))
-        }
-    }
 }
 
 impl UserData for LuaScene {

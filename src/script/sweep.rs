@@ -11,7 +11,8 @@ use super::display::LuaDisplay;
 use super::host::{self, Host};
 use super::image::{PNG_KEYS, save_png};
 use super::options::{self, Arguments, Options};
-use super::scene::{LuaScene, QUALITY_KEYS, quality, warn_of_view};
+use super::quality::{ASKED_KEYS, asked, warn_of_target};
+use super::scene::{LuaScene, warn_of_view};
 use super::view::LuaView;
 use super::views::Views;
 use super::{fault, image};
@@ -20,7 +21,7 @@ use crate::error::Error;
 use crate::image::{Region, SpectralImage};
 use crate::output;
 use crate::progress::Progress;
-use crate::render::{self, Quality, RenderStats};
+use crate::render::{self, Asked, RenderStats};
 use crate::sweep::{self, Digest, Entry, FileDigest, Folder, Hasher, LuminanceScale, Reading};
 use crate::view::View;
 
@@ -40,7 +41,7 @@ pub(super) struct Item {
 /// What all views of a sweep share.
 struct Plan {
     host: Host,
-    quality: Quality,
+    asked: Asked,
     png: Value,
     display: Display,
     regions: Vec<(String, Region)>,
@@ -81,13 +82,13 @@ struct Counts {
 impl Plan {
     fn new(host: Host, options: &Options) -> mlua::Result<Self> {
         let quality_options =
-            Options::new("sweep: quality", options.value("quality")?, &QUALITY_KEYS)?;
+            Options::new("sweep: quality", options.value("quality")?, &ASKED_KEYS)?;
         let png = options.value("png")?;
         let png_options = Options::new("sweep: png", png.clone(), &PNG_KEYS)?;
         let display = png_options.handle::<LuaDisplay>("display", "a display")?;
         Ok(Self {
             host,
-            quality: quality(quality_options)?,
+            asked: asked(quality_options)?,
             png,
             display: display.map_or_else(Display::srgb, |handle| Display::clone(&handle.display)),
             regions: regions(options.value("regions")?)?,
@@ -139,7 +140,7 @@ impl Plan {
         hasher.text(sweep::executable().map_or("", Digest::as_str));
         hasher.text(&self.script_name());
         hasher.text(item.scene.fingerprint().as_str());
-        hasher.text(&format!("{:?} {:?} {:?}", item.view, self.quality, self.regions));
+        hasher.text(&format!("{:?} {:?} {:?}", item.view, self.asked, self.regions));
         hasher.text(&self.describe(&self.png.clone())?);
         Ok(hasher.finish())
     }
@@ -200,7 +201,8 @@ impl Plan {
     ) -> mlua::Result<Entry> {
         let prepared = item.scene.prepared(&self.host)?;
         warn_of_view(&self.host, &prepared, &item.view);
-        let (mut image, stats) = render::render(&prepared, &item.view, &self.quality, progress)?;
+        let (mut image, stats) = self.asked.render(&prepared, &item.view, progress)?;
+        warn_of_target(&self.host, &stats);
         image.metadata.insert("script".to_owned(), self.script_name());
         let name = &item.name;
         let exr = format!("{name}.exr");
@@ -235,7 +237,7 @@ impl Plan {
         let photometry = format!("{:?}", image.photometry).to_lowercase();
         let rows = [
             ("view", sweep::view_record(&item.view)),
-            ("quality", sweep::quality_record(&self.quality)),
+            ("quality", sweep::asked_record(&self.asked)),
             ("stats", sweep::stats_record(stats)),
             ("scene", json!(item.scene.fingerprint().as_str())),
             ("photometry", json!(photometry)),

@@ -30,6 +30,6 @@ pub use manifest::{Entry, FileDigest, Manifest, Source};
 pub use merge::{Merged, merge};
 pub use page::luminance_name;
 pub use program::{executable, program};
-pub use record::{Reading, display_record, quality_record, stats_record, view_record};
+pub use record::{Reading, asked_record, display_record, stats_record, view_record};
 pub use shard::Shard;
 pub use verify::{Report, verify};

@@ -6,7 +6,7 @@ use crate::color::{Xyz, signal};
 use crate::display::{Curve, Display, DisplayParameters, Toe};
 use crate::error::Result;
 use crate::image::{Region, SpectralImage};
-use crate::render::{Quality, RenderStats, Samples};
+use crate::render::{Asked, Quality, RenderStats, Samples, TargetReport};
 use crate::shading::{TraceCounts, TraceLimits};
 use crate::spectrum::WavelengthGrid;
 use crate::view::View;
@@ -24,12 +24,20 @@ pub fn view_record(view: &View) -> Value {
     })
 }
 
-pub fn quality_record(quality: &Quality) -> Value {
+pub fn asked_record(asked: &Asked) -> Value {
+    match asked {
+        Asked::Quality(quality) => quality_record(quality),
+        Asked::TargetError(target) => json!({ "target_error": target }),
+    }
+}
+
+fn quality_record(quality: &Quality) -> Value {
     let Quality { samples, limits, grid } = quality;
     let TraceLimits { max_depth, min_throughput, light_error } = limits;
     let samples = match samples {
         Samples::Fixed(count) => json!(count),
         Samples::Adaptive { min, max, error } => json!({ "min": min, "max": max, "error": error }),
+        Samples::Lit { max, error } => json!({ "max": max, "lit_error": error }),
     };
     json!({
         "samples": samples,
@@ -51,7 +59,7 @@ pub fn stats_record(stats: &RenderStats) -> Value {
         light_nodes,
         light_samples,
     } = stats.counts;
-    json!({
+    let mut record = json!({
         "camera_rays": camera_rays,
         "mirror_rays": mirror_rays,
         "transmitted_rays": transmitted_rays,
@@ -61,6 +69,25 @@ pub fn stats_record(stats: &RenderStats) -> Value {
         "light_samples": light_samples,
         "light_error": stats.light_error,
         "largest_light_error": stats.largest_light_error,
+    });
+    if let Some(report) = &stats.target {
+        record["target"] = target_record(report);
+    }
+    record
+}
+
+fn target_record(report: &TargetReport) -> Value {
+    json!({
+        "error": report.error(),
+        "sampling_error": report.sampling_error,
+        "light_sum_error": report.light_error,
+        "truncation_error": report.truncation_error,
+        "samples": report.mean_samples,
+        "most_samples": report.most_samples,
+        "max_depth": report.limits.max_depth,
+        "min_throughput": report.limits.min_throughput,
+        "light_error": report.limits.light_error,
+        "wavelength_step": report.grid.step_nm(),
     })
 }
 

@@ -6,3 +6,4 @@ mod goldens;
 mod intensity;
 mod lens_colors;
 mod stage;
+mod target_error;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use lampyris::Result;
 use lampyris::geometry::{DVec3, Mesh};
 use lampyris::image::SpectralImage;
-use lampyris::light::{Photometry, RaySample, RaySet};
+use lampyris::light::{Cylinder, Photometry, RaySample, RaySet};
 use lampyris::material::{Lobes, Material, SpecularLobe};
 use lampyris::render::{Quality, Samples, Unwatched, render};
 use lampyris::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
@@ -71,6 +71,38 @@ pub fn scene(objects: Vec<(Mesh, Material)>, lights: Vec<Light>) -> Scene {
         photometry: Photometry::Relative,
         shadows: Shadows::Off,
     }
+}
+
+/// A curved mirror before a filament, with everything on that a scene can have.
+pub fn busy_scene() -> Scene {
+    let cells = 24;
+    let point = |k: usize| {
+        let place = |i: usize| i as f64 / cells as f64 * 80.0 - 40.0;
+        let (x, y) = (place(k % (cells + 1)), place(k / (cells + 1)));
+        Some(DVec3::new(x, y, (x * x + y * y) / 120.0))
+    };
+    let points: Vec<_> = (0..(cells + 1) * (cells + 1)).map(point).collect();
+    let bowl = Mesh::from_grid("bowl", cells, cells, &points).expect("a good grid");
+    let aluminium = Material {
+        reflectance: Spectrum::constant(0.9),
+        lobes: specular(0.9, 300.0),
+        k_rg: 0.95,
+        ..material()
+    };
+    let filament = Cylinder {
+        center: DVec3::Z * 30.0,
+        axis: DVec3::X,
+        radius_mm: 0.5,
+        length_mm: 5.0,
+        flux_lm: 440.0,
+        samples: 2000,
+        seed: 7,
+    };
+    let light = Light {
+        rays: filament.rayset().expect("a good cylinder"),
+        spectrum: Spectrum::blackbody(2750.0),
+    };
+    Scene { background: Spectrum::constant(1e-6), ..scene(vec![(bowl, aluminium)], vec![light]) }
 }
 
 /// A view of one pixel that looks at the origin.

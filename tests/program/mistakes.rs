@@ -447,9 +447,19 @@ const FAULTS: &[[&str; 3]] = &[
         "scene:render: \"light_error\" is 2, allowed: 0 to 1",
     ],
     [
+        "target error of nothing",
+        "scene:render(view, { target_error = 0 })",
+        "scene:render: \"target_error\" is 0, allowed: between 0 and 1",
+    ],
+    [
+        "target error and what it chooses",
+        "scene:render(view, { target_error = 0.01, max_depth = 4 })",
+        "scene:render: \"target_error\" chooses \"max_depth\": give one of the two",
+    ],
+    [
         "unknown quality",
         "scene:render(view, { spp = 4 })",
-        "scene:render: unknown key \"spp\" (keys: light_error, max_depth, min_throughput, samples, wavelength_step)",
+        "scene:render: unknown key \"spp\" (keys: light_error, max_depth, min_throughput, samples, target_error, wavelength_step)",
     ],
     [
         "region outside of the image",

@@ -1,19 +1,24 @@
 //! Tiles, threads, samples a pixel; no physics.
 
+mod film;
+mod target;
+
 use std::fmt;
 use std::time::Instant;
 
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::image::{Metadata, SpectralImage};
-use crate::light::Photometry;
+use crate::image::SpectralImage;
 use crate::scene::Prepared;
 use crate::shading::{
     Bands, LightCheck, PathSegment, SpectralTables, TraceCounts, TraceLimits, TraceState, Tracer,
 };
 use crate::spectrum::WavelengthGrid;
 use crate::view::{Camera, View};
+
+use film::{Film, PixelStats};
+pub use target::{Asked, MOST_SAMPLES, TargetReport, render_to_target};
 
 /// What a user trades for speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,6 +49,12 @@ pub enum Samples {
         max: u32,
         error: f64,
     },
+    /// Until the estimated rms error of luminance over lit pixels, relative to each, is below
+    /// `error`, or pixels that have `max` are too many for that; most where they help most.
+    Lit {
+        max: u32,
+        error: f64,
+    },
 }
 
 impl fmt::Display for Quality {
@@ -52,6 +63,9 @@ impl fmt::Display for Quality {
             Samples::Fixed(count) => write!(f, "samples {count}")?,
             Samples::Adaptive { min, max, error } => {
                 write!(f, "samples {min} to {max} for error {error}")?;
+            }
+            Samples::Lit { max, error } => {
+                write!(f, "samples up to {max} for error {error} over lit pixels")?;
             }
         }
         let TraceLimits { max_depth, min_throughput, light_error } = self.limits;
@@ -82,6 +96,17 @@ impl Watch for Unwatched {
     }
 }
 
+/// Asks whether to go on, and tells nothing.
+struct Untold<'a>(&'a dyn Watch);
+
+impl Watch for Untold<'_> {
+    fn pixels_done(&self, _: usize) {}
+
+    fn is_cancelled(&self) -> bool {
+        self.0.is_cancelled()
+    }
+}
+
 /// What a render did.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RenderStats {
@@ -91,6 +116,10 @@ pub struct RenderStats {
     pub light_error: f64,
     /// The largest of a pixel, relative to max(pixel, image mean).
     pub largest_light_error: f64,
+    /// With [`Samples::Lit`]: the estimate that it is about.
+    pub sampling_error: Option<f64>,
+    /// With [`render_to_target`].
+    pub target: Option<TargetReport>,
 }
 
 /// Small enough to share pixels evenly among threads, large enough that tasks cost nothing.
@@ -108,25 +137,14 @@ pub fn render(
 ) -> Result<(SpectralImage, RenderStats)> {
     let start = Instant::now();
     let tables = SpectralTables::new(&prepared.scene, quality.grid)?;
-    let mut film = Film::new(view.pixels(), quality.grid.bands());
+    let mut film = Film::new(view, quality.grid.bands());
     let renderer = Renderer {
         tracer: Tracer { prepared, tables: &tables, limits: quality.limits },
         camera: view.camera(),
         width: view.width,
         watch,
     };
-    let (first, refinement) = match quality.samples {
-        Samples::Fixed(count) => (count, None),
-        Samples::Adaptive { min, max, error } => (min, Some((max, error))),
-    };
-    let mut counts = renderer.sample_until(&mut film, |pixel| pixel.count >= first)?;
-    if let Some((max, error)) = refinement {
-        let image_mean = film.mean_luminance();
-        let more = renderer.sample_until(&mut film, |pixel| {
-            pixel.count >= max || pixel.relative_error(image_mean) <= error
-        })?;
-        counts = counts + more;
-    }
+    let counts = renderer.take(&mut film, quality.samples)?;
     let mean = film.mean_luminance();
     let light_error = film.mean(|pixel| pixel.light_error / f64::from(pixel.count));
     let relative =
@@ -136,6 +154,8 @@ pub fn render(
         seconds: start.elapsed().as_secs_f64(),
         light_error: if mean > 0.0 { light_error / mean } else { 0.0 },
         largest_light_error: film.pixels.iter().map(relative).fold(0.0, f64::max),
+        sampling_error: matches!(quality.samples, Samples::Lit { .. }).then(|| film.lit_error()),
+        target: None,
     };
     Ok((film.into_image(view, quality, prepared.scene.photometry), stats))
 }
@@ -175,90 +195,7 @@ pub fn trace_paths(
     Ok(tracer.paths(view.camera().ray(x, y)))
 }
 
-/// Luminance statistics of a pixel's samples (Welford's recurrence).
-#[derive(Debug, Clone, Copy, Default)]
-struct PixelStats {
-    count: u32,
-    mean: f64,
-    /// Σ (Y − mean)².
-    squares: f64,
-    /// Σ of the samples' estimated light errors.
-    light_error: f64,
-}
-
-impl PixelStats {
-    fn add(&mut self, luminance: f64, light_error: f64) {
-        self.count += 1;
-        let before = luminance - self.mean;
-        self.mean += before / f64::from(self.count);
-        self.squares += before * (luminance - self.mean);
-        self.light_error += light_error;
-    }
-
-    /// Standard error of the mean, relative to max(pixel, image mean); infinite for one sample.
-    fn relative_error(&self, image_mean: f64) -> f64 {
-        let n = f64::from(self.count);
-        let scale = self.mean.max(image_mean);
-        if self.count < 2 {
-            f64::INFINITY
-        } else if scale == 0.0 {
-            0.0
-        } else {
-            (self.squares / (n - 1.0) / n).sqrt() / scale
-        }
-    }
-}
-
-/// The picture while it is taken: each pixel's mean spectrum and its statistics.
-struct Film {
-    bands: usize,
-    spectra: Vec<f32>,
-    pixels: Vec<PixelStats>,
-}
-
-impl Film {
-    fn new(pixels: usize, bands: usize) -> Self {
-        Self {
-            bands,
-            spectra: vec![0.0; pixels * bands],
-            pixels: vec![PixelStats::default(); pixels],
-        }
-    }
-
-    fn mean(&self, value: impl Fn(&PixelStats) -> f64) -> f64 {
-        self.pixels.iter().map(value).sum::<f64>() / self.pixels.len() as f64
-    }
-
-    fn mean_luminance(&self) -> f64 {
-        self.mean(|pixel| pixel.mean)
-    }
-
-    fn into_image(self, view: &View, quality: &Quality, photometry: Photometry) -> SpectralImage {
-        let (error, samples) = match quality.samples {
-            Samples::Fixed(_) => (None, None),
-            Samples::Adaptive { .. } => {
-                let image_mean = self.mean_luminance();
-                let error = |pixel: &PixelStats| pixel.relative_error(image_mean) as f32;
-                let samples = |pixel: &PixelStats| pixel.count as f32;
-                (
-                    Some(self.pixels.iter().map(error).collect()),
-                    Some(self.pixels.iter().map(samples).collect()),
-                )
-            }
-        };
-        SpectralImage {
-            width: view.width,
-            height: view.height,
-            grid: quality.grid,
-            bands: self.spectra,
-            photometry,
-            error,
-            samples,
-            metadata: metadata(view, quality),
-        }
-    }
-}
-
+#[derive(Clone, Copy)]
 struct Renderer<'a> {
     tracer: Tracer<'a>,
     camera: Camera,
@@ -267,6 +204,44 @@ struct Renderer<'a> {
 }
 
 impl Renderer<'_> {
+    fn take(&self, film: &mut Film, samples: Samples) -> Result<TraceCounts> {
+        match samples {
+            Samples::Fixed(count) => self.sample_until(film, |pixel| pixel.count >= count),
+            Samples::Adaptive { min, max, error } => {
+                let counts = self.sample_until(film, |pixel| pixel.count >= min)?;
+                let image_mean = film.mean_luminance();
+                let more = self.sample_until(film, |pixel| {
+                    pixel.count >= max || pixel.relative_error(image_mean) <= error
+                })?;
+                Ok(counts + more)
+            }
+            Samples::Lit { max, error } => self.sample_lit(film, max, error),
+        }
+    }
+
+    /// Rounds of at most twice as many samples, planned by what is known of each pixel.
+    fn sample_lit(&self, film: &mut Film, max: u32, error: f64) -> Result<TraceCounts> {
+        const FIRST: u32 = 60;
+        let untold = Renderer { watch: &Untold(self.watch), ..*self };
+        let mut counts = untold.sample_until(film, |pixel| pixel.count >= FIRST.min(max))?;
+        let mut told = 0;
+        loop {
+            let excess = film.lit_error() / error;
+            let is_hopeless = film.lit_error_of(|pixel| pixel.count >= max) > error;
+            // Evenly spread samples at edges: the error falls as count^−¾ (measured).
+            let growth = excess.powf(4.0 / 3.0).max(1.0);
+            let goes_on = excess > 1.0 && !is_hopeless && film.plan(growth.clamp(1.2, 2.0), max);
+            let share = if goes_on { growth.recip() } else { 1.0 };
+            let done = ((film.pixels.len() as f64 * share) as usize).max(told);
+            self.watch.pixels_done(done - told);
+            told = done;
+            if !goes_on {
+                return Ok(counts);
+            }
+            counts = counts + untold.sample_until(film, |pixel| pixel.count >= pixel.planned)?;
+        }
+    }
+
     /// Adds samples to every pixel until it is `enough`.
     fn sample_until(
         &self,
@@ -338,15 +313,4 @@ impl Renderer<'_> {
 fn sample_place(i: u32) -> [f64; 2] {
     const PLASTIC: f64 = 1.324_717_957_244_746;
     [1.0 / PLASTIC, 1.0 / (PLASTIC * PLASTIC)].map(|step| (0.5 + f64::from(i) * step).fract())
-}
-
-/// View, quality and program version, for the image's file.
-fn metadata(view: &View, quality: &Quality) -> Metadata {
-    [
-        ("view", view.to_string()),
-        ("quality", quality.to_string()),
-        ("version", format!("lampyris {}", env!("CARGO_PKG_VERSION"))),
-    ]
-    .map(|(key, value)| (key.to_owned(), value))
-    .into()
 }

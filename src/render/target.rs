@@ -1,0 +1,292 @@
+//! A picture whose luminance is within a target: which limits, and how many samples, that takes.
+//!
+//! The error is the rms over lit pixels of the luminance's error relative to the pixel's, as
+//! [`crate::image_difference`] measures it. Measured (`scripts/tradeoff.lua`), nearly all of it and
+//! of the price of a smaller one is sampling's, so sampling has most of the target. Limits cost
+//! little: the cheapest are taken whose error, at rays of this view, is within a small share. All
+//! 81 bands are kept, since they cost next to nothing.
+
+use std::fmt;
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::{Quality, RenderStats, Samples, Untold, Watch, render, sample_place};
+use crate::error::{Error, Result};
+use crate::geometry::Ray;
+use crate::image::SpectralImage;
+use crate::image_difference::lit_luminance;
+use crate::scene::Prepared;
+use crate::shading::{Bands, SpectralTables, TraceLimits, TraceState, Tracer};
+use crate::spectrum::WavelengthGrid;
+use crate::view::View;
+
+/// Shares of the target. Noise adds to the sum of the others by squares: √(0.8² + 0.3²) = 0.85.
+const SAMPLING_SHARE: f64 = 0.8;
+const LIGHT_SHARE: f64 = 0.1;
+const TRUNCATION_SHARE: f64 = 0.2;
+
+/// Camera rays a pixel at which sampling gives up.
+pub const MOST_SAMPLES: u32 = 100_000;
+
+/// Camera rays a pixel of the picture that tells which pixels are lit.
+const PILOT_SAMPLES: u32 = 4;
+
+const GRID: WavelengthGrid = WavelengthGrid::Step5;
+
+/// What a user asks of a picture: how it is made, or how good it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Asked {
+    Quality(Quality),
+    /// As [`render_to_target`]'s.
+    TargetError(f64),
+}
+
+impl Asked {
+    /// As [`render`] or [`render_to_target`].
+    pub fn render(
+        &self,
+        prepared: &Prepared,
+        view: &View,
+        watch: &dyn Watch,
+    ) -> Result<(SpectralImage, RenderStats)> {
+        match self {
+            Self::Quality(quality) => render(prepared, view, quality, watch),
+            Self::TargetError(target) => render_to_target(prepared, view, *target, watch),
+        }
+    }
+}
+
+/// What [`render_to_target`] chose, and the errors that it estimates, all as `target`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TargetReport {
+    /// Relative rms of luminance over lit pixels.
+    pub target: f64,
+    pub limits: TraceLimits,
+    pub grid: WavelengthGrid,
+    /// Mean and largest number of camera rays a pixel.
+    pub mean_samples: f64,
+    pub most_samples: u32,
+    /// Of the finite number of camera rays.
+    pub sampling_error: f64,
+    /// Of the sums over light samples.
+    pub light_error: f64,
+    /// Of `max_depth` and `min_throughput`.
+    pub truncation_error: f64,
+}
+
+impl TargetReport {
+    /// Of the image.
+    pub fn error(&self) -> f64 {
+        self.sampling_error.hypot(self.light_error + self.truncation_error)
+    }
+
+    pub fn is_reached(&self) -> bool {
+        self.error() <= self.target
+    }
+}
+
+impl fmt::Display for TargetReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let reached = if self.is_reached() { "reached" } else { "not reached" };
+        write!(
+            f,
+            "target_error {} is {reached}: {:.2e} is estimated ({:.2e} from up to {} samples a \
+             pixel, {:.2e} from light_error {}, {:.2e} from max_depth {} and min_throughput {})",
+            self.target,
+            self.error(),
+            self.sampling_error,
+            self.most_samples,
+            self.light_error,
+            self.limits.light_error,
+            self.truncation_error,
+            self.limits.max_depth,
+            self.limits.min_throughput,
+        )
+    }
+}
+
+/// The view's spectral radiance, with the quality that brings its luminance within `target`.
+///
+/// `target`: relative rms over lit pixels, above 0. [`RenderStats::target`] says what was chosen,
+/// and whether it is reached: it is not where [`MOST_SAMPLES`] are too few, or the deepest limits
+/// too shallow. Same inputs, same bits, for any number of threads. Errors: as [`render`].
+pub fn render_to_target(
+    prepared: &Prepared,
+    view: &View,
+    target: f64,
+    watch: &dyn Watch,
+) -> Result<(SpectralImage, RenderStats)> {
+    let start = Instant::now();
+    let tables = SpectralTables::new(&prepared.scene, GRID)?;
+    let trials = Trials { prepared, tables: &tables, view, target, watch };
+    let pilot = Quality {
+        samples: Samples::Fixed(PILOT_SAMPLES),
+        limits: Rung::CHEAPEST.limits(target),
+        grid: GRID,
+    };
+    let (image, mut stats) = render(prepared, view, &pilot, &Untold(watch))?;
+    let mut spent = stats.counts;
+    let mut chosen = trials.choose(Rung::CHEAPEST, &image, PILOT_SAMPLES)?;
+    loop {
+        let samples = Samples::Lit { max: MOST_SAMPLES, error: SAMPLING_SHARE * target };
+        let limits = chosen.rung.limits(target);
+        let quality = Quality { samples, limits, grid: GRID };
+        let (mut image, seen) = render(prepared, view, &quality, watch)?;
+        stats = seen;
+        spent = spent + stats.counts;
+        // The image is the better judge of what is lit, and its rays are others.
+        let again = trials.choose(chosen.rung, &image, MOST_SAMPLES)?;
+        if again.rung == chosen.rung {
+            image.metadata.insert("target_error".to_owned(), target.to_string());
+            stats.target = Some(again.report(target, &image, &stats));
+            stats.counts = spent;
+            stats.seconds = start.elapsed().as_secs_f64();
+            return Ok((image, stats));
+        }
+        chosen = again;
+    }
+}
+
+/// Limits from cheap to close.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Rung {
+    depth: usize,
+    light: usize,
+}
+
+impl Rung {
+    const CHEAPEST: Self = Self { depth: 0, light: 0 };
+    const DEEPEST: usize = 3;
+    /// The last is the exact sum.
+    const LIGHT_ERRORS: [f64; 6] = [0.1, 0.03, 0.01, 0.003, 0.001, 0.0];
+
+    /// 8, 16, 32 or 64 hits deep, each with a tenth of the throughput of the one before.
+    fn limits(self, target: f64) -> TraceLimits {
+        TraceLimits {
+            max_depth: 8 << self.depth,
+            min_throughput: 0.5 * target * 0.1f64.powi(self.depth as i32),
+            light_error: Self::LIGHT_ERRORS[self.light],
+        }
+    }
+
+    fn deeper(self) -> Self {
+        Self { depth: self.depth + 1, ..self }
+    }
+
+    fn closer(self) -> Self {
+        Self { light: self.light + 1, ..self }
+    }
+}
+
+/// Limits, and what they were found to cost.
+#[derive(Debug, Clone, Copy)]
+struct Chosen {
+    rung: Rung,
+    light_error: f64,
+    truncation_error: f64,
+}
+
+impl Chosen {
+    fn report(&self, target: f64, image: &SpectralImage, stats: &RenderStats) -> TargetReport {
+        let samples = image.samples.as_deref().unwrap_or_default();
+        TargetReport {
+            target,
+            limits: self.rung.limits(target),
+            grid: GRID,
+            mean_samples: stats.counts.camera_rays as f64 / samples.len() as f64,
+            most_samples: samples.iter().copied().fold(0.0, f32::max) as u32,
+            sampling_error: stats.sampling_error.unwrap_or(0.0),
+            light_error: self.light_error,
+            truncation_error: self.truncation_error,
+        }
+    }
+}
+
+/// Traces some camera rays of lit pixels within other limits, to see what they change.
+///
+/// A ray differs by more than the mean of its pixel's rays, so the estimates err to the safe side.
+struct Trials<'a> {
+    prepared: &'a Prepared,
+    tables: &'a SpectralTables,
+    view: &'a View,
+    target: f64,
+    watch: &'a dyn Watch,
+}
+
+/// A camera ray, and the luminance of its pixel.
+#[derive(Debug, Clone, Copy)]
+struct LitRay {
+    ray: Ray,
+    luminance: f64,
+}
+
+impl Trials<'_> {
+    /// The cheapest limits from `rung` on whose errors are within their shares.
+    ///
+    /// The rays' places in their pixels begin at number `place`.
+    fn choose(&self, mut rung: Rung, image: &SpectralImage, place: u32) -> Result<Chosen> {
+        /// Differences of depth need no exact sums, which take a million times longer.
+        const RAYS: usize = 1024;
+        const EXACT_RAYS: usize = 64;
+        let rays = self.lit_rays(image, RAYS, place);
+        let mut here = self.luminances(&rays, rung.limits(self.target))?;
+        let truncation_error = loop {
+            let deeper = self.luminances(&rays, rung.deeper().limits(self.target))?;
+            let error = rms_change(&rays, &here, &deeper);
+            if error <= TRUNCATION_SHARE * self.target || rung.depth == Rung::DEEPEST {
+                break error;
+            }
+            (rung, here) = (rung.deeper(), deeper);
+        };
+        let rays: Vec<LitRay> = rays.into_iter().step_by(RAYS / EXACT_RAYS).collect();
+        let limits = rung.limits(self.target);
+        let exact = self.luminances(&rays, TraceLimits { light_error: 0.0, ..limits })?;
+        loop {
+            let near = self.luminances(&rays, rung.limits(self.target))?;
+            let light_error = rms_change(&rays, &near, &exact);
+            // The last is exact, so its error is 0.
+            if light_error <= LIGHT_SHARE * self.target {
+                return Ok(Chosen { rung, light_error, truncation_error });
+            }
+            rung = rung.closer();
+        }
+    }
+
+    /// This many rays, evenly among the lit pixels; none if all are black.
+    fn lit_rays(&self, image: &SpectralImage, count: usize, place: u32) -> Vec<LitRay> {
+        let luminances: Vec<f64> = image.to_xyz().pixels.iter().map(|c| c.y).collect();
+        let threshold = lit_luminance(luminances.clone());
+        let is_lit = |&pixel: &usize| luminances[pixel] > 0.0 && luminances[pixel] >= threshold;
+        let lit: Vec<usize> = (0..luminances.len()).filter(is_lit).collect();
+        let camera = self.view.camera();
+        let ray = |i: usize| {
+            let pixel = *lit.get(i * lit.len() / count)?;
+            let (x, y) = (pixel % image.width, pixel / image.width);
+            let [dx, dy] = sample_place(place + i as u32);
+            let ray = camera.ray(x as f64 + dx, y as f64 + dy);
+            Some(LitRay { ray, luminance: luminances[pixel] })
+        };
+        (0..count).filter_map(ray).collect()
+    }
+
+    fn luminances(&self, rays: &[LitRay], limits: TraceLimits) -> Result<Vec<f64>> {
+        let tracer = Tracer { prepared: self.prepared, tables: self.tables, limits };
+        let luminance = |lit: &LitRay| {
+            if self.watch.is_cancelled() {
+                return Err(Error::Interrupted);
+            }
+            let mut sum = Bands::zero(self.tables.bands);
+            tracer.trace(lit.ray, &mut TraceState::default(), &mut sum);
+            Ok(sum.dot(&self.tables.luminance_weights))
+        };
+        rays.par_iter().map(luminance).collect()
+    }
+}
+
+/// Rms change of the rays' luminances, relative to their pixels'.
+fn rms_change(rays: &[LitRay], from: &[f64], to: &[f64]) -> f64 {
+    let changes = rays.iter().zip(from.iter().zip(to));
+    let squares: f64 = changes.map(|(lit, (a, b))| ((a - b) / lit.luminance).powi(2)).sum();
+    (squares / rays.len().max(1) as f64).sqrt()
+}
