@@ -9,7 +9,6 @@
 -- "tiny" makes every script small enough for a test.
 
 local lampyris = require "lampyris"
-local model = require "model"
 
 local paper = { reports = {} }
 
