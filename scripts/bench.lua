@@ -1,9 +1,11 @@
--- The benchmark scene: model 1 from the front, a million light samples, at the default light error.
+-- The benchmark scenes: the views of models 1 to 4 at the default quality.
 --
---   lampyris run scripts/bench.lua [-- tiny]
+--   lampyris run scripts/bench.lua [-- SAMPLES]      a million light samples a bulb, or as many
 --
--- Prints one row in Markdown: what is rendered, seconds by stage, and how many rays and light sums
--- a second the picture took. Rays are those of the camera, of mirrors, of lenses and to lights.
+-- Prints two tables in Markdown. The first: what is rendered, seconds by stage, and how many rays
+-- and light sums a second that took; rays are those of the camera, of mirrors, of lenses and to
+-- lights. The second: how far light sums at hits of the views are from exact ones, and how much
+-- less they cost.
 
 local lampyris = require "lampyris"
 local model = require "model"
@@ -11,12 +13,8 @@ local paper = require "paper"
 
 local width = paper.size(640, 16)
 local samples = 4
-
-local built = model.build(require "model1", paper.size(1, 6))
-local shot = built.shots[1]
-local lights = model.lights(built, shot, paper.size(1000000, 400))
-local scene = lampyris.scene { objects = built.objects, lights = lights }
-local stats = scene:render(model.view(shot, width), { samples = samples }).stats
+local light_samples = tonumber(arg[1]) or paper.size(1000000, 400)
+local hits = paper.size(3000, 20)
 
 --- Such as 1.2 million.
 local function count(number)
@@ -26,27 +24,52 @@ local function count(number)
   return ("%.0f"):format(number)
 end
 
-local light_samples = 0
-for _, light in ipairs(lights) do light_samples = light_samples + light.count end
-
-local rays = stats.camera_rays + stats.mirror_rays + stats.transmitted_rays + stats.shadow_rays
-local columns = {
-  { "triangles", count(built.triangle_count) },
-  { "light samples", count(light_samples) },
-  { "picture", ("%d × %d, %d rays a pixel"):format(width, width * 3 // 4, samples) },
-  { "BVH", ("%.2f s"):format(stats.bvh_seconds) },
-  { "light tree", ("%.2f s"):format(stats.light_tree_seconds) },
-  { "rendering", ("%.1f s"):format(stats.seconds) },
-  { "rays a second", count(rays / stats.seconds) },
-  { "light sums a second", count(stats.light_sums / stats.seconds) },
-  { "memory", ("%.0f MB"):format(stats.peak_memory_mb) },
-}
-
-local function row(place)
-  local cells = paper.map(columns, function(column) return column[place] end)
-  print("| " .. table.concat(cells, " | ") .. " |")
+local function picture_row(name, built, stats)
+  local rays = stats.camera_rays + stats.mirror_rays + stats.transmitted_rays + stats.shadow_rays
+  return {
+    name,
+    count(built.triangle_count),
+    ("%.2f s"):format(stats.bvh_seconds),
+    ("%.2f s"):format(stats.light_tree_seconds),
+    ("%.1f s"):format(stats.seconds),
+    count(rays / stats.seconds),
+    count(stats.light_sums / stats.seconds),
+  }
 end
 
-row(1)
-print(("|---"):rep(#columns) .. "|")
-row(2)
+local function light_row(name, check)
+  local function percent(error) return ("%.3f %%"):format(100 * error) end
+  return {
+    name, percent(check.median), percent(check.percentile_95), percent(check.largest),
+    ("%.2f"):format(check.largest_of_estimate), ("1/%.0f"):format(check.speedup),
+  }
+end
+
+local function print_table(headings, rows)
+  local function line(cells) print("| " .. table.concat(cells, " | ") .. " |") end
+  line(headings)
+  print(("|---"):rep(#headings) .. "|")
+  for _, row in ipairs(rows) do line(row) end
+end
+
+local pictures, light_sums, peak_memory_mb = {}, {}, nil
+for number = 1, 4 do
+  local built = model.build(require("model" .. number), paper.size(1, 6))
+  for _, shot in ipairs(built.shots) do
+    local name = ("model %d, %s"):format(number, shot.name:gsub("^0*(%d+)$", "%1°"))
+    local scene, view = model.scene(built, shot, light_samples), model.view(shot, width)
+    local image = scene:render(view, { samples = samples })
+    peak_memory_mb = peak_memory_mb or image.stats.peak_memory_mb
+    table.insert(pictures, picture_row(name, built, image.stats))
+    table.insert(light_sums, light_row(name, scene:check_light_error(view, { hits = hits })))
+  end
+end
+
+print(("%d × %d pixels, %d rays a pixel, %s light samples a bulb:\n"):format(
+  width, width * 3 // 4, samples, count(light_samples)))
+print_table({ "view", "triangles", "BVH", "light tree", "rendering", "rays a second",
+  "light sums a second" }, pictures)
+print(("\nPeak memory of the first: %.0f MB."):format(peak_memory_mb))
+print(("\nLight sums at %d hits of each view, against exact ones:\n"):format(hits))
+print_table({ "view", "median error", "95 %", "largest", "largest error over its estimate",
+  "time of the exact sum" }, light_sums)

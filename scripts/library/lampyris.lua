@@ -377,10 +377,18 @@ function Scene:render(view, quality) end
 ---@field min_throughput? number  default 1e-3
 ---@field wavelength_step? 5|10|20  nm; default 5
 
+---@class LightCheck
+---@field sums integer  compared: one a side of a hit and a light that shine
+---@field median number  of the relative errors
+---@field percentile_95 number
+---@field largest number
+---@field largest_of_estimate number  largest ratio of an error to its estimate
+---@field speedup number  time of the exact sums over that of these; some thousand hits make it reliable
+
 ---Compares light sums with exact ones at hits of the view.
 ---@param view View
 ---@param options? LightErrorOptions
----@return table  sums, median, percentile_95, largest, largest_of_estimate
+---@return LightCheck
 function Scene:check_light_error(view, options) end
 
 ---@class PathOptions

@@ -128,7 +128,7 @@ impl LuaScene {
 }
 
 impl LuaScene {
-    /// Median, 95th percentile and largest relative error of the light sums at some hits.
+    /// Relative errors of the light sums at some hits, and how much faster they are than exact ones.
     fn check_light_error(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
         const OBJECT: &str = "scene:check_light_error";
         let value = arguments.value();
@@ -148,6 +148,7 @@ impl LuaScene {
         table.set("percentile_95", check.percentile_95)?;
         table.set("largest", check.largest)?;
         table.set("largest_of_estimate", check.largest_of_estimate)?;
+        table.set("speedup", check.speedup)?;
         Ok(table)
     }
 }
