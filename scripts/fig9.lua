@@ -45,4 +45,5 @@ add("PY21W", amber)
 add("P21W through red", white * red_lens)
 add("PY21W through light amber", amber * amber_lens)
 report:table({ "light", "x", "y" }, rows)
-report:note("UN R48 asks red for y ≤ 0.335 and y ≥ 0.980 − x, amber for y ≥ 0.390, y ≤ x − 0.120 and y ≥ 0.790 − 0.670x.")
+report:note("UN R48 asks red for y ≤ 0.335 and y ≥ 0.980 − x, "
+  .. "amber for y ≥ 0.390, y ≤ x − 0.120 and y ≥ 0.790 − 0.670x.")
