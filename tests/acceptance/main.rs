@@ -5,5 +5,6 @@ mod determinism;
 mod goldens;
 mod intensity;
 mod lens_colors;
+mod light_check;
 mod stage;
 mod target_error;

@@ -1,0 +1,116 @@
+//! Mistakes that people make in scripts, each with the whole message that it gets.
+
+mod pictures;
+mod scenes;
+
+use crate::bench::{Bench, text};
+
+/// Before the line with the mistake, which is the tenth.
+const BEFORE: &str = r#"local L = require "lampyris"
+local white = L.spectrum.blackbody(2856)
+local triangle = L.mesh.load "triangle.obj"
+local cube = L.mesh.load "cube.obj"
+local paper = L.material { reflectance = 0.5, k_d = 1 }
+local lamp = L.cylinder { radius = 0.1, length = 0.2, flux = 100, spectrum = white, samples = 10 }
+local scene = L.scene { objects = { { mesh = triangle, material = paper } }, lights = { lamp } }
+local absolute = L.scene { objects = {}, lights = { lamp }, photometry = "absolute" }
+local view = L.view { width = 8, height = 8 }
+"#;
+
+/// Beside the script.
+const FILES: [(&str, &str); 12] = [
+    ("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\ng lens\nf 1 2 3\n"),
+    (
+        "cube.obj",
+        "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n",
+    ),
+    ("points.obj", "v 0 0 0\nv 1 0 0\n"),
+    ("wrong.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
+    ("letters.obj", "v 0 zero 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+    ("words.csv", "these are\nonly words\n"),
+    ("red.csv", "nm,value\n380,0.1\n780,0.9\n"),
+    ("swapped.csv", "0.1,380\n0.9,780\n"),
+    ("descending.csv", "780,0.9\n380,0.1\n"),
+    ("hole.csv", "380,0.1\n580,\n780,0.9\n"),
+    ("rays.csv", "x,y,z,dx,dy,dz,flux\n0,0,0,0,0,1,1\n"),
+    ("still.csv", "x,y,z,dx,dy,dz,flux\n0,0,0,0,0,0,1\n"),
+];
+
+/// What was done, the line that does it, and the warning that it gets.
+#[rustfmt::skip]
+const WARNINGS: &[[&str; 3]] = &[
+    [
+        "more light than arrives",
+        "L.scene { objects = { { mesh = triangle, material = L.material { reflectance = 1, k_d = 0.6, k_s = 0.6 } } }, photometry = 'absolute' }",
+        "material: returns 1.200 times the light that arrives: (F_r + F_t)(k_d + k_s) should be at most 1 in an absolute scene",
+    ],
+    [
+        "mirrors that amplify",
+        "L.scene { objects = { { mesh = triangle, material = L.material { reflectance = 1, transmittance = 1, k_rg = 0.6, k_tg = 0.6 } } }, photometry = 'absolute' }",
+        "material: passes on 1.200 times the light that arrives: k_rg F_r + k_tg F_t should be at most 1 in an absolute scene",
+    ],
+    [
+        "meters for millimeters",
+        "L.scene { objects = { { mesh = L.mesh.load('triangle.obj', { scale = 0.001 }), material = paper } } }:render(view)",
+        "scene: all objects lie within 1.000e-3 mm: are their meshes in m? \"scale\" = 1000 makes them mm",
+    ],
+    [
+        "open body with a thickness",
+        "L.scene { objects = { { mesh = triangle, material = L.material { transmittance = 0.9, k_tg = 1, thickness = 3 } } } }:render(view)",
+        "material: \"thickness\" asks for closed bodies, but 3 edges bound a hole",
+    ],
+    [
+        "eye inside a mesh",
+        "L.scene { objects = { { mesh = cube, material = paper } } }:render(L.view { distance = 0.1, width = 8, height = 8 })",
+        "view: the eye, 0.1 mm from its target, is inside a mesh: it sees only back sides",
+    ],
+    [
+        "light inside a wall",
+        "L.scene { objects = { { mesh = cube, material = paper } }, lights = { lamp }, shadows = true }:render(view)",
+        "light 1: its center [-0.010, 0.000, -0.018] mm is inside an opaque mesh, behind back sides only",
+    ],
+    [
+        "lamp that is cut off",
+        "L.scene { objects = { { mesh = triangle, material = paper } }, lights = { lamp }, background = 1, photometry = 'absolute' }:render(view):intensity()",
+        "intensity: light reaches the border of the image (azimuth 0°, elevation 0°, 3000 mm from [0, 0, 0], fov 6°, 8 × 8)",
+    ],
+];
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    FILES.iter().for_each(|(name, content)| bench.write(name, content));
+    bench
+}
+
+/// Exit status and standard error.
+fn run(bench: &Bench, line: &str) -> (Option<i32>, String) {
+    bench.write("s.lua", &format!("{BEFORE}{line}\n"));
+    let output = bench.run(&["run", "s.lua", "--threads=1"]);
+    (output.status.code(), text(&output.stderr))
+}
+
+#[test]
+fn every_mistake_has_its_message() {
+    let faults = [scenes::FAULTS, pictures::FAULTS].concat();
+    assert!(faults.len() + WARNINGS.len() > 60);
+    let bench = bench();
+    for [mistake, line, message] in &faults {
+        let expected = (Some(1), format!("s.lua:10: {message}\n"));
+        assert_eq!(run(&bench, line), expected, "{mistake}");
+    }
+}
+
+#[test]
+fn what_was_hardly_meant_is_warned_of() {
+    let bench = bench();
+    for [mistake, line, warning] in WARNINGS {
+        let expected = (Some(0), format!("warning: {warning}\n"));
+        assert_eq!(run(&bench, line), expected, "{mistake}");
+    }
+}
+
+#[test]
+fn good_scripts_say_nothing() {
+    let bench = bench();
+    assert_eq!(run(&bench, "scene:render(view)"), (Some(0), String::new()));
+}
