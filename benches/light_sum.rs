@@ -7,8 +7,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use glam::{DAffine3, DVec3};
+use lampyris::color::Photometry;
 use lampyris::light::sum::reference_sum;
-use lampyris::light::{HitQuery, LightSum, LightTree, Photometry, RaySample, RaySet};
+use lampyris::light::{HitQuery, LightSum, LightTree, RaySample, RaySet};
 use lampyris::material::{Lobes, SpecularLobe};
 
 /// The base-b radical inverse of i, in 0 … 1.

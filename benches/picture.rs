@@ -7,12 +7,13 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use lampyris::color::Photometry;
 use lampyris::geometry::{DVec3, Mesh};
-use lampyris::light::{Coil, Filament, Photometry};
 use lampyris::material::{Lobes, Material, SpecularLobe};
 use lampyris::render::{Quality, Samples, Unwatched, render};
 use lampyris::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
 use lampyris::shading::{Bands, MaterialTables, SpectralTables, TraceLimits, TraceState, Tracer};
+use lampyris::source::{Coil, Filament};
 use lampyris::spectrum::{Spectrum, WavelengthGrid};
 use lampyris::view::View;
 

@@ -8,10 +8,11 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
-use lampyris::progress::Verbosity;
-use lampyris::script::{self, ScriptFault, Settings};
-use lampyris::sweep::{self, Shard};
-use lampyris::{Error, info};
+use lampyris::Error;
+use lampyris::program::info;
+use lampyris::program::progress::Verbosity;
+use lampyris::program::script::{self, ScriptFault, Settings};
+use lampyris::program::sweep::{self, Shard};
 
 /// Predicts what a lit lamp looks like and how bright it is, wavelength by wavelength.
 ///

@@ -3,8 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine3, DQuat, DVec3};
+use lampyris::color::Photometry;
 use lampyris::light::sum::reference_sum;
-use lampyris::light::{HitQuery, LightSum, LightTree, Photometry, RaySample, RaySet};
+use lampyris::light::{HitQuery, LightSum, LightTree, RaySample, RaySet};
 use lampyris::material::{Lobes, SpecularLobe};
 
 /// splitmix64: 0 … 1.

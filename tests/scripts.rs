@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use lampyris::script::{self, Settings};
+use lampyris::program::script::{self, Settings};
 
 /// A folder for one test's output, removed at its end.
 struct Output(PathBuf);

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use lampyris::light::rayfile;
+use lampyris::source::rayfile;
 
 pub fn read(bytes: &[u8]) {
     // A refusal is as good as a file; a panic is what is looked for.

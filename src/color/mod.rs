@@ -3,18 +3,20 @@
 
 mod difference;
 mod lab;
+mod photometry;
 mod rec709;
 pub mod signal;
 
 pub use difference::{delta_e_2000, delta_e_ab};
 pub use lab::Lab;
+pub use photometry::Photometry;
 pub use rec709::{D65_XY, rec709_from_xyz, srgb_decode, srgb_encode, xyz_from_rec709};
 
 use std::ops::{Add, Mul, Sub};
 
 use glam::{DMat3, DVec3};
 
-use crate::spectrum::{WavelengthGrid, cie};
+use crate::spectrum::{Spectrum, WavelengthGrid, cie};
 
 /// CIE 1931 XYZ; Y is photometric (eq. 4).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -60,6 +62,14 @@ impl Xyz {
 
     pub fn is_finite(self) -> bool {
         self.x.is_finite() && self.y.is_finite() && self.z.is_finite()
+    }
+}
+
+impl Spectrum {
+    /// Tristimulus values (eq. 4) on the 5 nm grid.
+    pub fn xyz(&self) -> Xyz {
+        let grid = WavelengthGrid::Step5;
+        Xyz::from_bands(grid, &self.on_grid(grid))
     }
 }
 

@@ -1,7 +1,7 @@
 //! How much light of the scene becomes how much light of the display.
 
 use crate::error::{Error, Result};
-use crate::image::XyzImage;
+use crate::image::{AUTO_PERCENT, XyzImage};
 
 /// The factor from the image's XYZ to the display's, cd/m².
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -14,9 +14,6 @@ pub enum Exposure {
     /// 2 to this power.
     Stops(f64),
 }
-
-/// Percentile of luminance that [`Exposure::Auto`] puts at display white.
-pub const AUTO_PERCENT: f64 = 99.5;
 
 impl Exposure {
     /// The factor that is given, or `None` for [`Exposure::Auto`].

@@ -14,7 +14,7 @@ mod tone;
 mod verify;
 
 pub use curve::{Curve, Toe};
-pub use exposure::{AUTO_PERCENT, Exposure};
+pub use exposure::Exposure;
 pub use fit::{ChannelFit, DisplayFit, DisplayMeasurement, Light, RampPatch, fit_display};
 pub use gamut::{Gamut, GamutMap, GamutReport};
 pub use glare::{Glare, GlareReport, apply_glare};

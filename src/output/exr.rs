@@ -16,10 +16,10 @@ use ::exr::prelude::{
 };
 
 use super::atomic::write_atomically;
+use crate::color::Photometry;
 use crate::color::rec709_from_xyz;
 use crate::error::{Error, Place, Result};
 use crate::image::{Metadata, SpectralImage};
-use crate::light::sum::Photometry;
 use crate::spectrum::WavelengthGrid;
 
 /// Attribute that says what the bands are a density over.

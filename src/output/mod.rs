@@ -3,7 +3,6 @@
 mod atomic;
 mod base64;
 mod exr;
-mod figure;
 mod png;
 #[cfg(test)]
 pub(crate) mod scratch;
@@ -11,5 +10,4 @@ pub(crate) mod scratch;
 pub use atomic::{write_atomically, write_csv, write_text};
 pub use base64::base64;
 pub use exr::{ExrInfo, read_exr, read_exr_info, write_exr};
-pub use figure::{figure_svg, write_figure_png, write_figure_svg};
-pub use png::{ColorSpace, Raster, Samples, display_raster, read_png, write_png};
+pub use png::{ColorSpace, Raster, Samples, display_raster, encode_png, read_png, write_png};

@@ -40,10 +40,10 @@ pub enum ColorSpace {
 ///
 /// Errors: [`crate::Error::Io`], also for a raster without pixels or with too few samples.
 pub fn write_png(path: &Path, raster: &Raster) -> Result<()> {
-    write_atomically(path, |file| encode(BufWriter::new(file), raster))
+    write_atomically(path, |file| encode_png(BufWriter::new(file), raster))
 }
 
-pub(super) fn encode(out: impl io::Write, raster: &Raster) -> io::Result<()> {
+pub fn encode_png(out: impl io::Write, raster: &Raster) -> io::Result<()> {
     let size = |pixels: usize| u32::try_from(pixels).map_err(io::Error::other);
     let mut info = ::png::Info::with_size(size(raster.width)?, size(raster.height)?);
     info.color_type = ::png::ColorType::Rgb;

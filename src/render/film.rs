@@ -1,9 +1,9 @@
 //! The picture while it is taken: each pixel's mean spectrum and its luminance statistics.
 
 use super::{Quality, Samples};
+use crate::color::Photometry;
+use crate::image::difference::lit_luminance;
 use crate::image::{Metadata, SpectralImage};
-use crate::image_difference::lit_luminance;
-use crate::light::Photometry;
 use crate::view::View;
 
 /// Every sixth sample is of a group: each of the six is as evenly spread as all together (those of

@@ -1,7 +1,7 @@
 //! A picture whose luminance is within a target: which limits, and how many samples, that takes.
 //!
 //! The error is the rms over lit pixels of the luminance's error relative to the pixel's, as
-//! [`crate::image_difference`] measures it. Measured (`scripts/tradeoff.lua`), nearly all of it and
+//! [`crate::image::difference`] measures it. Measured (`scripts/tradeoff.lua`), nearly all of it and
 //! of the price of a smaller one is sampling's, so sampling has most of the target. Limits cost
 //! little: the cheapest are taken whose error, at rays of this view, is within a small share. All
 //! 81 bands are kept, since they cost next to nothing.
@@ -15,7 +15,7 @@ use super::{Quality, RenderStats, Samples, Untold, Watch, render, sample_place};
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::image::SpectralImage;
-use crate::image_difference::lit_luminance;
+use crate::image::difference::lit_luminance;
 use crate::scene::Prepared;
 use crate::shading::{Bands, SpectralTables, TraceLimits, TraceState, Tracer};
 use crate::spectrum::WavelengthGrid;

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::{Arrival, Branch, SurfacePoint, TraceState, Tracer};
 use crate::geometry::Ray;
 use crate::light::LightSum;
+use crate::statistics::percentile;
 
 /// Errors of the light sums at some hits, relative to the exact sum.
 ///
@@ -104,13 +105,11 @@ impl LightCheck {
         let mut errors: Vec<f64> = lit().map(|c| c.error / c.exact.max(DARK * brightest)).collect();
         // Exact sums in another order differ by rounding, which no estimate covers.
         let of_estimate = lit().filter(|c| c.estimate > 0.0).map(|c| c.error / c.estimate);
-        errors.sort_by(f64::total_cmp);
-        let rank = |share: f64| errors.get(((errors.len() as f64 - 1.0) * share).round() as usize);
         Some(Self {
             sums: errors.len(),
-            median: *rank(0.5)?,
-            percentile_95: *rank(0.95)?,
-            largest: *errors.last()?,
+            median: percentile(&mut errors, 50.0)?,
+            percentile_95: percentile(&mut errors, 95.0)?,
+            largest: percentile(&mut errors, 100.0)?,
             largest_of_estimate: of_estimate.fold(0.0, f64::max),
             speedup,
         })

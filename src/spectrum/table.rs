@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use super::cie;
-use crate::color::Xyz;
 use crate::columns::{self, Columns};
 use crate::error::{Error, Place, Result};
 use crate::spectrum::WavelengthGrid;
@@ -126,12 +125,6 @@ impl Spectrum {
         let lambda_nm = union_with_bands(&self.lambda_nm, &other.lambda_nm);
         let values = lambda_nm.iter().map(|&l| f(self.at(l), other.at(l))).collect();
         Self { lambda_nm, values }
-    }
-
-    /// Tristimulus values (eq. 4) on the 5 nm grid.
-    pub fn xyz(&self) -> Xyz {
-        let grid = WavelengthGrid::Step5;
-        Xyz::from_bands(grid, &self.on_grid(grid))
     }
 
     /// 683 Σ S(λ) V(λ) Δλ on `grid`: lm, if the values are W/nm.

@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
+use lampyris::color::Photometry;
 use lampyris::geometry::{DVec3, Mesh};
 use lampyris::image::{Region, SpectralImage};
-use lampyris::light::Photometry;
 use lampyris::material::Material;
 use lampyris::scene::Scene;
 use lampyris::spectrum::{Spectrum, WavelengthGrid};

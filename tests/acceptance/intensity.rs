@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
+use lampyris::color::Photometry;
 use lampyris::geometry::{DVec3, Mesh};
-use lampyris::light::Photometry;
-use lampyris::photometry::intensity;
+use lampyris::program::intensity::intensity;
 use lampyris::scene::Scene;
 use lampyris::view::View;
 

@@ -4,14 +4,16 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use lampyris::Result;
+use lampyris::color::Photometry;
 use lampyris::geometry::{DVec3, Mesh};
 use lampyris::image::SpectralImage;
-use lampyris::light::{Cylinder, Photometry, RaySample, RaySet};
+use lampyris::light::{RaySample, RaySet};
 use lampyris::material::{Lobes, Material, SpecularLobe};
+use lampyris::program::script::{self, Settings};
 use lampyris::render::{Quality, Samples, Unwatched, render};
 use lampyris::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
-use lampyris::script::{self, Settings};
 use lampyris::shading::TraceLimits;
+use lampyris::source::Cylinder;
 use lampyris::spectrum::{Spectrum, WavelengthGrid};
 use lampyris::view::View;
 

@@ -2,7 +2,7 @@
 
 use lampyris::geometry::DVec3;
 use lampyris::image::SpectralImage;
-use lampyris::image_difference::ImageDifference;
+use lampyris::image::difference::ImageDifference;
 use lampyris::material::Material;
 use lampyris::render::{Quality, RenderStats, Samples, Unwatched, render_to_target};
 use lampyris::scene::{Prepared, Scene};

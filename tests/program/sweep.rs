@@ -7,7 +7,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use lampyris::output::{read_exr, read_png};
-use lampyris::sweep::Manifest;
+use lampyris::program::sweep::Manifest;
 
 use crate::bench::{Bench, text};
 

@@ -1,7 +1,7 @@
 //! What each format says comes out.
 
 use lampyris::light::RaySample;
-use lampyris::light::rayfile::{FluxUnit, Format, LightOptions, RayFile, SpectrumSource, Warning};
+use lampyris::source::rayfile::{FluxUnit, Format, LightOptions, RayFile, SpectrumSource, Warning};
 use lampyris::spectrum::{Spectrum, WavelengthGrid, cie};
 
 use crate::seeds::{self, LightTools, Row, THREE, Tm25, Zemax, read};

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use lampyris::light::rayfile::{self, LightOptions, RayFile, SaveFormat, SpectrumSource, save};
 use lampyris::light::{RaySample, RaySet};
+use lampyris::source::rayfile::{self, LightOptions, RayFile, SaveFormat, SpectrumSource, save};
 use lampyris::spectrum::Spectrum;
 use proptest::prelude::*;
 

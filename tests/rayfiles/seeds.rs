@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lampyris::Result;
-use lampyris::light::rayfile::{self, RayFile};
+use lampyris::source::rayfile::{self, RayFile};
 
 /// x y z (mm), direction, W, nm.
 pub type Row = [f32; 8];

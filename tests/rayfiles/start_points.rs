@@ -1,9 +1,10 @@
 //! Rays shipped on an auxiliary sphere go back to the filament they come from.
 
 use glam::DVec3;
-use lampyris::light::report::RayReport;
-use lampyris::light::surface_fit::FittedSurface;
-use lampyris::light::{RaySample, RaySet, StartSurface};
+use lampyris::light::{RaySample, RaySet};
+use lampyris::source::StartSurface;
+use lampyris::source::report::RayReport;
+use lampyris::source::surface_fit::FittedSurface;
 
 use crate::seeds::{Tm25, read};
 

@@ -12,16 +12,8 @@ pub(crate) use side::Side;
 
 use glam::DVec3;
 
+use crate::color::Photometry;
 use crate::material::Lobes;
-
-/// Which of model.md's two photometries a scene uses.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Photometry {
-    /// Eq. 2 and 9 as they stand: Σ Φ_i c_i (k_d g_d + k_s g_s).
-    Relative,
-    /// Σ Φ_i c_i / (π r²) (k_d/π g_d + k_s (n_s + 2)/(2π) g_s), r in metres.
-    Absolute,
-}
 
 /// The side of eq. 2 that does not depend on the light sample.
 #[derive(Debug, Clone, Copy)]

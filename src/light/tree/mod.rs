@@ -16,10 +16,11 @@ use std::f64::consts::PI;
 
 use glam::{DAffine3, DVec3};
 
+use crate::color::Photometry;
 use crate::light::RaySet;
 use crate::light::sum::block::{BlockQuery, Scratch};
 use crate::light::sum::power::LobeSet;
-use crate::light::sum::{HitQuery, LightSum, Photometry, Side, Visibility};
+use crate::light::sum::{HitQuery, LightSum, Side, Visibility};
 
 use blocks::Blocks;
 use descent::Descent;

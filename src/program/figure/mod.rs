@@ -1,0 +1,154 @@
+//! Figures as plain data, drawn alike to pixels and to SVG.
+
+mod brush;
+mod chart;
+mod draw;
+mod false_color;
+mod file;
+mod raster;
+mod segments;
+mod ticks;
+
+pub use draw::{SvgFigure, to_pixels, to_svg};
+pub use false_color::{FalseColor, false_color, scale_colors};
+pub use file::{figure_svg, write_figure_png, write_figure_svg};
+pub use raster::{PlacedRaster, Rect};
+
+/// Panels in a grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// Pixels.
+    pub width: u32,
+    pub height: u32,
+    pub title: String,
+    /// Row by row.
+    pub panels: Vec<Panel>,
+    /// Panels a row, ≥ 1.
+    pub columns: usize,
+}
+
+impl Figure {
+    /// One panel of 800 × 600 pixels under no title but its own.
+    pub fn new(panel: Panel) -> Self {
+        Self { width: 800, height: 600, title: String::new(), panels: vec![panel], columns: 1 }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub enum Panel {
+    Chart(Chart),
+    Raster(RasterPanel),
+    Segments(SegmentsPanel),
+}
+
+/// Curves and points over two axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chart {
+    pub title: String,
+    pub x: Axis,
+    pub y: Axis,
+    pub series: Vec<Series>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// With its unit.
+    pub label: String,
+    pub scale: Scale,
+    /// `None` takes what the series need.
+    pub range: Option<[f64; 2]>,
+}
+
+impl Axis {
+    pub fn linear(label: &str) -> Self {
+        Self { label: label.to_owned(), scale: Scale::Linear, range: None }
+    }
+
+    pub fn log(label: &str) -> Self {
+        Self { label: label.to_owned(), scale: Scale::Log, range: None }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Scale {
+    #[default]
+    Linear,
+    /// Values ≤ 0 are left out.
+    Log,
+}
+
+/// Values that are not finite part a line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Stands in the legend unless empty.
+    pub name: String,
+    pub marks: Marks,
+    pub points: Vec<[f64; 2]>,
+    /// Half lengths of vertical error bars, one a point.
+    pub errors: Option<Vec<f64>>,
+    /// `None` takes the next of [`COLORS`].
+    pub color: Option<[u8; 3]>,
+}
+
+impl Series {
+    pub fn line(name: &str, points: Vec<[f64; 2]>) -> Self {
+        Self { name: name.to_owned(), marks: Marks::Line, points, errors: None, color: None }
+    }
+
+    pub fn scatter(name: &str, points: Vec<[f64; 2]>) -> Self {
+        Self { marks: Marks::Points, ..Self::line(name, points) }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Marks {
+    Line,
+    Dashes,
+    Points,
+    LineAndPoints,
+}
+
+/// Okabe & Ito's colors, which remain apart for eyes that confuse red and green; yellow, which
+/// is too light for lines, left out.
+pub const COLORS: [[u8; 3]; 7] = [
+    [0, 114, 178],
+    [213, 94, 0],
+    [0, 158, 115],
+    [204, 121, 167],
+    [230, 159, 0],
+    [86, 180, 233],
+    [0, 0, 0],
+];
+
+/// A picture, scaled into its panel with square pixels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RasterPanel {
+    pub title: String,
+    pub width: usize,
+    pub height: usize,
+    /// sRGB, row 0 on top.
+    pub pixels: Vec<[u8; 3]>,
+    pub scale_bar: Option<ScaleBar>,
+}
+
+/// What the colors of a picture mean.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScaleBar {
+    /// With its unit.
+    pub label: String,
+    pub scale: Scale,
+    pub range: [f64; 2],
+    /// From the lower end of the range to the upper, evenly on its scale.
+    pub colors: Vec<[u8; 3]>,
+}
+
+/// Segments in space, seen from afar in parallel projection.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SegmentsPanel {
+    pub title: String,
+    /// Right-handed, +Y up, mm.
+    pub segments: Vec<[[f64; 3]; 2]>,
+    /// Where the eye is: turned about +Y from +Z, and lifted.
+    pub azimuth_deg: f64,
+    pub elevation_deg: f64,
+}

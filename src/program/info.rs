@@ -1,0 +1,131 @@
+//! What a file holds, in words: EXR images, ray files, OBJ meshes, spectrum tables, manifests.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use crate::color::Xyz;
+use crate::error::{Error, Place, Result};
+use crate::geometry::{DVec3, obj};
+use crate::output;
+use crate::program::sweep::Manifest;
+use crate::source::rayfile::{self, RayFile, SpectrumSource};
+use crate::spectrum::{Spectrum, WavelengthGrid};
+
+/// A description of several lines, the first of which starts with the path.
+///
+/// EXR files and manifests are told by their first bytes, OBJ meshes by their name; the rest
+/// are rays, or else a spectrum.
+/// Errors: a file of none of these kinds, or a broken one.
+pub fn describe(path: &Path) -> Result<String> {
+    let mut start = [0; 4];
+    let count = File::open(path)
+        .and_then(|mut file| file.read(&mut start))
+        .map_err(|e| Error::io(path, e))?;
+    let name = path.display();
+    if count == 0 {
+        return Err(Error::bad_file(path, Place::File, "is empty"));
+    }
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    let lines = match (start, extension.to_ascii_lowercase().as_str()) {
+        ([0x76, 0x2f, 0x31, 0x01], _) => exr(path)?,
+        ([b'{', ..], "json") => manifest(path)?,
+        (_, "obj") => mesh(path)?,
+        _ => rays_or_table(path)?,
+    };
+    Ok(format!("{name}: {}", lines.join("\n  ")))
+}
+
+fn rays_or_table(path: &Path) -> Result<Vec<String>> {
+    let not_rays = match rayfile::read(path) {
+        Ok(file) => return Ok(rays(&file)),
+        Err(error) => error,
+    };
+    match Spectrum::from_csv(path, 2) {
+        Ok(spectrum) => Ok(table(&spectrum)),
+        Err(not_a_spectrum) => {
+            let problem =
+                format!("holds neither rays ({not_rays}) nor a spectrum ({not_a_spectrum})");
+            Err(Error::bad_file(path, Place::File, problem))
+        }
+    }
+}
+
+fn exr(path: &Path) -> Result<Vec<String>> {
+    let info = output::read_exr_info(path)?;
+    let mut lines = vec![format!(
+        "EXR image, {} × {}, {} channels",
+        info.width,
+        info.height,
+        info.channels.len()
+    )];
+    let bands = &info.wavelengths_nm;
+    if let (Some(first), Some(last)) = (bands.first(), bands.last()) {
+        lines.push(format!("spectrum: {} bands, {first} to {last} nm", bands.len()));
+    }
+    let rest = info.channels.iter().filter(|name| !name.starts_with("S0."));
+    lines.push(format!("channels: {}", rest.cloned().collect::<Vec<_>>().join(" ")));
+    lines.extend(info.attributes.iter().map(|(key, value)| format!("{key}: {value}")));
+    Ok(lines)
+}
+
+fn manifest(path: &Path) -> Result<Vec<String>> {
+    let manifest = Manifest::read(path)?;
+    let state = if manifest.is_complete { "finished" } else { "unfinished" };
+    let mut lines = vec![format!("{state} sweep of {} views", manifest.views.len())];
+    lines.push(format!("made by {}", manifest.source.program));
+    let files = manifest.source.script.iter().chain(&manifest.source.inputs);
+    lines.extend(files.map(|file| format!("from {}, SHA-256 {}", file.path, file.digest)));
+    Ok(lines)
+}
+
+fn mesh(path: &Path) -> Result<Vec<String>> {
+    let mesh = obj::load(path, None)?;
+    let mut low = DVec3::INFINITY;
+    let mut high = DVec3::NEG_INFINITY;
+    for &position in &mesh.positions {
+        low = low.min(position);
+        high = high.max(position);
+    }
+    let size = high - low;
+    Ok(vec![
+        format!("OBJ mesh, {} triangles", mesh.triangles.len()),
+        format!("from {low} to {high} mm"),
+        format!("{} × {} × {} mm", size.x, size.y, size.z),
+    ])
+}
+
+fn table(spectrum: &Spectrum) -> Vec<String> {
+    let lambda_nm = spectrum.wavelengths_nm();
+    let (first, last) = (lambda_nm[0], lambda_nm[lambda_nm.len() - 1]); // never empty
+    let mut lines = vec![
+        format!("spectrum, {} rows, {first} to {last} nm", lambda_nm.len()),
+        format!("values {} to {}", spectrum.min(), spectrum.max()),
+    ];
+    let xyz = Xyz::from_bands(WavelengthGrid::Step5, &spectrum.on_grid(WavelengthGrid::Step5));
+    if let Some([x, y]) = xyz.chromaticity() {
+        lines.push(format!("as light: chromaticity x = {x:.4}, y = {y:.4}"));
+    }
+    lines
+}
+
+fn rays(file: &RayFile) -> Vec<String> {
+    let count = file.samples.len();
+    let unit = file.flux_unit;
+    let mut lines = vec![format!("ray file ({}), {count} rays", file.format)];
+    lines.push(format!("flux of the rays: {} {unit}", file.flux_sum));
+    lines.extend(file.header_flux.map(|flux| format!("flux of the header: {flux} {unit}")));
+    lines.extend(file.flux_lm.map(|flux_lm| format!("luminous flux: {flux_lm} lm")));
+    lines.push(match &file.spectrum_source {
+        SpectrumSource::None => "spectrum: none".to_owned(),
+        SpectrumSource::Line { nm } => format!("spectrum: one wavelength, {nm} nm"),
+        SpectrumSource::PerRay { min_nm, max_nm } => {
+            format!("spectrum: a wavelength a ray, {min_nm} to {max_nm} nm")
+        }
+        SpectrumSource::Table => "spectrum: a table".to_owned(),
+        SpectrumSource::Mixture { tables } => format!("spectrum: {tables} tables"),
+    });
+    lines.extend(file.description.iter().map(|(name, text)| format!("{name}: {text}")));
+    lines.extend(file.warnings.iter().map(|warning| format!("warning: {warning}")));
+    lines
+}

@@ -1,0 +1,170 @@
+//! Intensity limits by direction, as data.
+
+use std::path::Path;
+
+use super::grid::{Direction, Grid};
+use crate::color::signal::{self, SignalColor};
+use crate::error::{Error, Place, Result};
+
+const UN_R148: &str = include_str!("../../../data/regulations/un_r148.csv");
+
+/// What a regulation asks of one lamp.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limits {
+    pub color: SignalColor,
+    pub points: Vec<Requirement>,
+}
+
+/// Least and greatest intensity in a direction, cd.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Requirement {
+    pub direction: Direction,
+    pub min_cd: f64,
+    pub max_cd: f64,
+}
+
+/// How a lamp does at one point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointCheck {
+    pub requirement: Requirement,
+    /// `None` where the grid does not reach.
+    pub intensity_cd: Option<f64>,
+    pub color: Option<SignalColor>,
+    /// Intensity within its limits, and color as asked for.
+    pub passes: bool,
+}
+
+impl Limits {
+    /// A lamp of UN R148: "R1", "R2", "S1", "S2", "S3", "S4", "2a" or "2b".
+    ///
+    /// Errors: another name.
+    pub fn un_r148(lamp: &str) -> Result<Self> {
+        Self::parse(UN_R148, Path::new("data/regulations/un_r148.csv"), lamp)
+    }
+
+    /// From a CSV file with the columns of `data/regulations/un_r148.csv`.
+    ///
+    /// Errors: [`Error::Io`]; a row that is none, with its line; a lamp that is not in the file.
+    pub fn from_csv(path: &Path, lamp: &str) -> Result<Self> {
+        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+        Self::parse(&text, path, lamp)
+    }
+
+    fn parse(text: &str, path: &Path, lamp: &str) -> Result<Self> {
+        const EXPECTED: &str = "expected lamp,color,h_deg,v_deg,min_cd,max_cd";
+        let mut limits: Option<Self> = None;
+        let mut lamps: Vec<&str> = Vec::new();
+        let rows = (1..).zip(text.lines()).filter(|(_, l)| !l.starts_with('#') && !l.is_empty());
+        for (line, row) in rows.skip(1) {
+            let bad = || Error::bad_file(path, Place::Line(line), EXPECTED);
+            let (name, color, requirement) = parse_row(row).ok_or_else(bad)?;
+            if !lamps.contains(&name) {
+                lamps.push(name);
+            }
+            if name == lamp {
+                let limits = limits.get_or_insert_with(|| Self { color, points: Vec::new() });
+                limits.points.push(requirement);
+            }
+        }
+        limits.ok_or_else(|| {
+            Error::out_of_range("limits", "lamp", format!("\"{lamp}\""), lamps.join(", "))
+        })
+    }
+
+    /// The same points with another greatest intensity.
+    #[must_use]
+    pub fn with_max(mut self, max_cd: f64) -> Self {
+        self.points.iter_mut().for_each(|point| point.max_cd = max_cd);
+        self
+    }
+
+    /// Every point, in the order of the data.
+    pub fn check(&self, grid: &Grid) -> Vec<PointCheck> {
+        self.points.iter().map(|point| self.check_point(*point, grid)).collect()
+    }
+
+    fn check_point(&self, requirement: Requirement, grid: &Grid) -> PointCheck {
+        let xyz = grid.at(requirement.direction);
+        let color = xyz.and_then(|xyz| xyz.chromaticity()).and_then(signal::color_of);
+        let intensity_cd = xyz.map(|xyz| xyz.y);
+        let within =
+            intensity_cd.is_some_and(|i| (requirement.min_cd..=requirement.max_cd).contains(&i));
+        let passes = within && color == Some(self.color);
+        PointCheck { requirement, intensity_cd, color, passes }
+    }
+}
+
+fn parse_row(row: &str) -> Option<(&str, SignalColor, Requirement)> {
+    let cells: Vec<&str> = row.split(',').map(str::trim).collect();
+    let [lamp, color, numbers @ ..] = cells.as_slice() else {
+        return None;
+    };
+    let color = SignalColor::ALL.into_iter().find(|c| c.name() == *color)?;
+    let numbers: Vec<f64> = numbers.iter().map(|cell| cell.parse().ok()).collect::<Option<_>>()?;
+    let [h_deg, v_deg, min_cd, max_cd] = numbers[..] else {
+        return None;
+    };
+    let direction = Direction { h_deg, v_deg };
+    let finite = numbers.iter().all(|n| n.is_finite());
+    finite.then_some((*lamp, color, Requirement { direction, min_cd, max_cd }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Xyz;
+
+    fn even(color: [f64; 2], intensity_cd: f64) -> Grid {
+        let (h, v) = (vec![-20.0, 20.0], vec![-10.0, 10.0]);
+        Grid::sweep(h, v, 1.0, |_| Ok::<_, Error>(Xyz::from_xy(color, intensity_cd))).unwrap()
+    }
+
+    const RED: [f64; 2] = [0.70, 0.295];
+
+    #[test]
+    fn every_lamp_of_the_regulation_is_there() {
+        for (lamp, points, axis_cd) in [
+            ("R1", 19, 4.0),
+            ("R2", 19, 4.0),
+            ("S1", 19, 60.0),
+            ("S2", 19, 60.0),
+            ("S3", 18, 25.0),
+            ("S4", 18, 25.0),
+            ("2a", 19, 50.0),
+            ("2b", 19, 50.0),
+        ] {
+            let limits = Limits::un_r148(lamp).unwrap();
+            assert_eq!(limits.points.len(), points, "{lamp}");
+            let axis = Direction { h_deg: 0.0, v_deg: 0.0 };
+            let point = limits.points.iter().find(|p| p.direction == axis).unwrap();
+            assert_eq!(point.min_cd, axis_cd, "{lamp}");
+            // The grids are symmetric, and ask nowhere for more than on the axis.
+            for p in &limits.points {
+                let mirrored = Direction { h_deg: -p.direction.h_deg, ..p.direction };
+                let twin = limits.points.iter().find(|q| q.direction == mirrored).unwrap();
+                assert_eq!(twin.min_cd, p.min_cd);
+                assert!(p.min_cd <= axis_cd && p.max_cd == point.max_cd);
+            }
+        }
+        assert_eq!(
+            Limits::un_r148("S9").unwrap_err().to_string(),
+            "limits: lamp is \"S9\", allowed: R1, R2, S1, S2, 2a, 2b, S3, S4"
+        );
+    }
+
+    #[test]
+    fn points_pass_by_intensity_and_color() {
+        let limits = Limits::un_r148("S1").unwrap();
+        let failed = |grid: &Grid| limits.check(grid).iter().filter(|p| !p.passes).count();
+        assert_eq!(failed(&even(RED, 100.0)), 0);
+        assert_eq!(failed(&even(RED, 59.0)), 1, "the axis");
+        assert_eq!(failed(&even(RED, 53.9)), 3, "the axis and ±5°");
+        assert_eq!(failed(&even(RED, 261.0)), 19, "too bright");
+        assert_eq!(failed(&even([0.57, 0.42], 100.0)), 19, "amber");
+        let narrow = Grid::sweep(vec![-5.0, 5.0], vec![-10.0, 10.0], 1.0, |_| {
+            Ok::<_, Error>(Xyz::from_xy(RED, 100.0))
+        });
+        let checks = limits.check(&narrow.unwrap());
+        assert_eq!(checks.iter().filter(|p| p.intensity_cd.is_none()).count(), 10);
+    }
+}

@@ -1,0 +1,13 @@
+//! What a photometer would read: luminous intensity by direction, its files and its limits.
+
+mod eulumdat;
+mod far_field;
+mod grid;
+mod ies;
+mod limits;
+mod rules;
+
+pub use far_field::{intensity, is_cut_off};
+pub use grid::{Direction, Grid};
+pub use limits::{Limits, PointCheck, Requirement};
+pub use rules::{LampRules, Side, StopRatio, VisibilityField, Weakest};

@@ -1,0 +1,11 @@
+//! The program on top of the renderer: Lua scripts, sweeps, figures, photometric files and rules.
+//!
+//! The feature `program` (a default) adds it; the renderer knows nothing of it.
+
+pub mod figure;
+pub mod info;
+pub mod intensity;
+pub mod memory;
+pub mod progress;
+pub mod script;
+pub mod sweep;

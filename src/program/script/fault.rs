@@ -1,0 +1,234 @@
+//! From an error anywhere to one message with the script's line.
+
+use std::path::Path;
+
+use mlua::{Function, IntoLuaMulti, Lua, MultiValue, Table, Value};
+use serde_json::json;
+
+use super::host::Host;
+use crate::error::{Error, Hint};
+use crate::program::progress::Verbosity;
+
+/// What ends a script, as its user reads it.
+#[derive(Debug, thiserror::Error)]
+#[error("{message}")]
+pub struct ScriptFault {
+    pub message: String,
+    /// Ctrl-C, not a mistake.
+    pub interrupted: bool,
+}
+
+impl ScriptFault {
+    /// Ctrl-C.
+    pub fn interrupted() -> Self {
+        Self { message: Error::Interrupted.to_string(), interrupted: true }
+    }
+
+    /// The message as standard error's reader wants it.
+    pub fn report(&self, verbosity: Verbosity) -> String {
+        match verbosity {
+            Verbosity::Json => {
+                let Self { message, interrupted } = self;
+                json!({ "event": "error", "message": message, "interrupted": interrupted })
+                    .to_string()
+            }
+            Verbosity::Quiet | Verbosity::Bar => self.message.clone(),
+        }
+    }
+}
+
+impl From<mlua::Error> for ScriptFault {
+    fn from(error: mlua::Error) -> Self {
+        Self { message: message(&error), interrupted: false }
+    }
+}
+
+impl ScriptFault {
+    pub(super) fn unreadable(script: &Path, error: std::io::Error) -> Self {
+        Self { message: Error::io(script, error).to_string(), interrupted: false }
+    }
+}
+
+/// An error's message with the line of the script that caused it.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct Located(String);
+
+impl From<Error> for mlua::Error {
+    fn from(error: Error) -> Self {
+        mlua::Error::external(error)
+    }
+}
+
+/// Adds the innermost line of the script, while its stack still stands.
+pub(super) fn located(lua: &Lua, error: mlua::Error) -> mlua::Error {
+    let mlua::Error::ExternalError(cause) = &error else {
+        return error;
+    };
+    let Some(cause) = cause.downcast_ref::<Error>() else {
+        return error;
+    };
+    let message = match script_line(lua) {
+        Some(place) => format!("{place}: {cause}"),
+        None => cause.to_string(),
+    };
+    mlua::Error::external(Located(message))
+}
+
+/// `file:line` of the first frame that has one.
+fn script_line(lua: &Lua) -> Option<String> {
+    (0..).map_while(|level| lua.inspect_stack(level, frame_line)).flatten().next()
+}
+
+fn frame_line(frame: &mlua::debug::Debug) -> Option<String> {
+    let line = frame.current_line()?;
+    let file = frame.source().short_src?;
+    // Lua code that is not the script's: the binding library's __index, our pcall.
+    (!file.starts_with("__")).then(|| format!("{file}:{line}"))
+}
+
+/// The message of an error that left the script.
+pub(super) fn from_lua(error: mlua::Error, host: &Host) -> ScriptFault {
+    let message = message(&error);
+    ScriptFault { interrupted: host.is_interrupted(), message }
+}
+
+/// Without the stack traceback.
+pub(super) fn message(error: &mlua::Error) -> String {
+    match error {
+        mlua::Error::CallbackError { cause, traceback } => match method_without_self(cause) {
+            Some(problem) => match traced_line(traceback) {
+                Some(place) => format!("{place}: {problem}"),
+                None => problem,
+            },
+            None => message(cause),
+        },
+        mlua::Error::RuntimeError(text) => without_traceback(text),
+        mlua::Error::SyntaxError { message, .. } => message.clone(),
+        mlua::Error::ExternalError(cause) => cause.to_string(),
+        mlua::Error::WithContext { cause, .. } => message(cause),
+        mlua::Error::MemoryError(_) => "script: out of memory".to_owned(),
+        other => without_traceback(&other.to_string()),
+    }
+}
+
+/// `scene.render(view)`: the binding library refuses it before any code of ours runs.
+fn method_without_self(error: &mlua::Error) -> Option<String> {
+    match error {
+        mlua::Error::BadArgument { to: Some(method), name: Some(name), .. } if name == "self" => {
+            let method = method.rsplit('.').next().unwrap_or(method);
+            Some(format!("{method}: is a method, to be called with a colon: object:{method}(…)"))
+        }
+        _ => None,
+    }
+}
+
+/// `file:line` of the first line of a stack traceback that has one.
+fn traced_line(traceback: &str) -> Option<String> {
+    let frames = traceback.lines().filter_map(|line| line.trim().split_once(": in "));
+    let mut places = frames.map(|(place, _)| place);
+    places
+        .find(|place| !place.starts_with('[') && !place.starts_with("__") && place.contains(':'))
+        .map(str::to_owned)
+}
+
+fn without_traceback(text: &str) -> String {
+    text.split("\nstack traceback:").next().unwrap_or(text).to_owned()
+}
+
+/// What `pcall` hands to the script: the message instead of the error's own object. An interrupt
+/// is raised again, so that no script survives Ctrl-C.
+pub(super) fn caught(lua: &Lua, error: Value) -> mlua::Result<Value> {
+    if super::host::of(lua)?.is_interrupted() {
+        return Err(Error::Interrupted.into());
+    }
+    plain(lua, error)
+}
+
+/// The message in the place of an error's own object.
+pub(super) fn plain(lua: &Lua, error: Value) -> mlua::Result<Value> {
+    match error {
+        Value::Error(error) => Ok(Value::String(lua.create_string(message(&error))?)),
+        other => Ok(other),
+    }
+}
+
+/// A Lua function whose errors carry the script's line.
+pub(super) fn function<R: IntoLuaMulti>(
+    lua: &Lua,
+    f: impl Fn(&Lua, MultiValue) -> mlua::Result<R> + Send + Sync + 'static,
+) -> mlua::Result<Function> {
+    lua.create_function(move |lua, arguments: MultiValue| {
+        f(lua, arguments).map_err(|error| located(lua, error))
+    })
+}
+
+/// A method whose errors carry the script's line.
+pub(super) fn method<T: 'static, R: IntoLuaMulti>(
+    methods: &mut impl mlua::UserDataMethods<T>,
+    name: &'static str,
+    f: impl Fn(&Lua, &T, MultiValue) -> mlua::Result<R> + Send + Sync + 'static,
+) {
+    methods.add_method(name, move |lua, this, arguments: MultiValue| {
+        f(lua, this, arguments).map_err(|error| located(lua, error))
+    });
+}
+
+/// Makes reading a name that a handle does not have an error with the nearest one.
+pub(super) fn refuse_unknown_fields<T: 'static>(
+    methods: &mut impl mlua::UserDataMethods<T>,
+    object: &'static str,
+    names: &'static [&'static str],
+) {
+    methods.add_meta_method(mlua::MetaMethod::Index, move |lua, _, key: Value| {
+        let error = unknown_key(object, &key_text(&key), names);
+        Err::<Value, _>(located(lua, error.into()))
+    });
+}
+
+/// The same for a table of functions, with the names that it has now.
+pub(super) fn refuse_unknown_names(lua: &Lua, table: &Table, object: &str) -> mlua::Result<()> {
+    let mut names = Vec::new();
+    for pair in table.pairs::<String, Value>() {
+        names.push(pair?.0);
+    }
+    let object = object.to_owned();
+    let index = lua.create_function(move |lua, (_, key): (Value, Value)| {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let error = unknown_key(&object, &key_text(&key), &names);
+        Err::<Value, _>(located(lua, error.into()))
+    })?;
+    let meta = lua.create_table()?;
+    meta.set("__index", index)?;
+    meta.set("__metatable", false)?;
+    table.set_metatable(Some(meta))
+}
+
+pub(super) fn key_text(key: &Value) -> String {
+    match key {
+        Value::String(s) => s.to_string_lossy(),
+        other => other.to_string().unwrap_or_else(|_| other.type_name().to_owned()),
+    }
+}
+
+/// The error for a name that is not among `known`.
+pub(super) fn unknown_key(object: &str, key: &str, known: &[&str]) -> Error {
+    let mut sorted = known.to_vec();
+    sorted.sort_unstable();
+    Error::UnknownKey {
+        object: object.to_owned(),
+        key: key.to_owned(),
+        hint: nearest(key, known),
+        known: sorted.join(", "),
+    }
+}
+
+/// The known name that a user most likely meant.
+pub(super) fn nearest(name: &str, known: &[&str]) -> Hint {
+    /// Below this, names have so little in common that a hint would mislead.
+    const ALIKE: f64 = 0.7;
+    let score =
+        |candidate: &str| strsim::jaro_winkler(&name.to_lowercase(), &candidate.to_lowercase());
+    let best = known.iter().map(|&k| (score(k), k)).max_by(|a, b| a.0.total_cmp(&b.0));
+    Hint(best.filter(|(score, _)| *score >= ALIKE).map(|(_, name)| name.to_owned()))
+}

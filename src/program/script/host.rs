@@ -1,0 +1,209 @@
+//! What a running script knows of its surroundings: folders, output, warnings, Ctrl-C.
+
+use std::path::{Component, Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard};
+
+use mlua::Lua;
+
+use crate::error::{Error, Result};
+use crate::program::progress::{Progress, Verbosity};
+use crate::program::sweep::{self, Shard};
+
+/// What the command line says.
+#[derive(Debug, Clone, Default)]
+pub struct Settings {
+    /// Everything written goes under this folder.
+    pub out: PathBuf,
+    pub verbosity: Verbosity,
+    /// The script's own arguments.
+    pub arguments: Vec<String>,
+    /// Set by Ctrl-C.
+    pub interrupted: Arc<AtomicBool>,
+    /// Folders to read from, besides the script's and the working directory.
+    pub read: Vec<PathBuf>,
+    /// Bytes that Lua may use; meshes, rays and images are not Lua's.
+    pub max_memory: Option<usize>,
+    /// The part of each sweep to render.
+    pub shard: Option<Shard>,
+}
+
+/// The surroundings of one script.
+#[derive(Debug, Clone)]
+pub struct Host {
+    pub script: PathBuf,
+    pub settings: Settings,
+    warnings: Arc<Mutex<Vec<(String, u32)>>>,
+    inputs: Arc<Mutex<Vec<Input>>>,
+    seeds: Arc<Mutex<Vec<(String, u64)>>>,
+}
+
+/// A file that the script read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Input {
+    /// As the script names it.
+    pub name: String,
+    pub path: PathBuf,
+}
+
+impl Host {
+    pub fn new(script: &Path, settings: Settings) -> Self {
+        Self {
+            script: script.to_owned(),
+            settings,
+            warnings: Arc::default(),
+            inputs: Arc::default(),
+            seeds: Arc::default(),
+        }
+    }
+
+    pub fn is_interrupted(&self) -> bool {
+        self.settings.interrupted.load(Ordering::Relaxed)
+    }
+
+    pub fn progress(&self, pixels: usize) -> Progress {
+        Progress::new(self.settings.verbosity, Arc::clone(&self.settings.interrupted), pixels)
+    }
+
+    pub fn script_folder(&self) -> &Path {
+        self.script.parent().unwrap_or(Path::new(""))
+    }
+
+    /// Where a file to be read lies: the script's folder first, then the working directory. It is
+    /// noted as an input.
+    ///
+    /// Errors: a file outside of both and of the folders of `--read`, also through a symbolic
+    /// link. A file that is not there is left to its reader to report.
+    pub fn input(&self, path: &str) -> Result<PathBuf> {
+        let beside_script = self.script_folder().join(path);
+        let found = if beside_script.exists() { beside_script } else { PathBuf::from(path) };
+        if found.exists() {
+            self.check_readable(path, &found)?;
+            self.note_input(path, &found);
+        }
+        Ok(found)
+    }
+
+    /// Notes a file that the script read.
+    pub(super) fn note_input(&self, name: &str, path: &Path) {
+        let input = Input { name: name.to_owned(), path: path.to_owned() };
+        let mut inputs = locked(&self.inputs);
+        if !inputs.contains(&input) {
+            inputs.push(input);
+        }
+    }
+
+    /// All files that the script has read so far, in the order of their first reading.
+    pub fn inputs(&self) -> Vec<Input> {
+        locked(&self.inputs).clone()
+    }
+
+    /// Notes the seed of a light's samples.
+    pub fn note_seed(&self, object: &str, seed: u64) {
+        let mut seeds = locked(&self.seeds);
+        let noted = (object.to_owned(), seed);
+        if !seeds.contains(&noted) {
+            seeds.push(noted);
+        }
+    }
+
+    /// Objects and seeds, in the order of their making.
+    pub fn seeds(&self) -> Vec<(String, u64)> {
+        locked(&self.seeds).clone()
+    }
+
+    /// Errors: `path`, once its symbolic links are followed, lies in no folder to read from.
+    pub(super) fn check_readable(&self, name: &str, path: &Path) -> Result<()> {
+        let real = path.canonicalize().map_err(|e| Error::io(path, e))?;
+        let script_folder = match self.script_folder() {
+            folder if folder == Path::new("") => Path::new("."),
+            folder => folder,
+        };
+        let folders = [script_folder, Path::new(".")].into_iter();
+        let mut folders = folders.chain(self.settings.read.iter().map(PathBuf::as_path));
+        if folders.any(|folder| folder.canonicalize().is_ok_and(|f| real.starts_with(f))) {
+            return Ok(());
+        }
+        let allowed = "files in the script's folder, the working directory and --read DIR";
+        Err(Error::out_of_range("input", "path", format!("\"{name}\""), allowed))
+    }
+
+    /// Where a file is to be written, its folder made.
+    ///
+    /// Errors: a path that leaves the output folder, also through a symbolic link; a folder that
+    /// cannot be made.
+    pub fn output(&self, path: &str) -> Result<PathBuf> {
+        let refused = || {
+            let out = self.settings.out.display();
+            Error::out_of_range("output", "path", format!("\"{path}\""), format!("below {out}/"))
+        };
+        let relative = Path::new(path);
+        let stays =
+            relative.components().all(|c| matches!(c, Component::Normal(_) | Component::CurDir));
+        if !stays || relative.file_name().is_none() {
+            return Err(refused());
+        }
+        let target = self.settings.out.join(relative);
+        let folder = target.parent().unwrap_or(&self.settings.out);
+        let io = |e| Error::io(folder, e);
+        // The deepest folder that exists decides before anything is made.
+        let existing = folder.ancestors().find(|f| f.exists()).unwrap_or(Path::new("."));
+        if self.settings.out.exists() {
+            let root = self.settings.out.canonicalize().map_err(io)?;
+            if existing.starts_with(&self.settings.out)
+                && !existing.canonicalize().map_err(io)?.starts_with(&root)
+            {
+                return Err(refused());
+            }
+        }
+        std::fs::create_dir_all(folder).map_err(io)?;
+        Ok(target)
+    }
+
+    /// A folder of its own below the output folder, made. Errors: as [`Host::output`].
+    pub fn output_folder(&self, path: &str) -> Result<PathBuf> {
+        let file = self.output(&format!("{path}/{}", sweep::MANIFEST))?;
+        Ok(file.parent().unwrap_or(&self.settings.out).to_owned())
+    }
+
+    /// Notes something that silently changes the picture; the same text is printed once, counted.
+    pub fn warn(&self, text: impl Into<String>) {
+        let text = text.into();
+        let mut warnings = locked(&self.warnings);
+        match warnings.iter_mut().find(|(known, _)| *known == text) {
+            Some((_, count)) => *count += 1,
+            None => warnings.push((text, 1)),
+        }
+    }
+
+    /// So that the next warning is printed as if it were the first.
+    pub(super) fn forget_warnings(&self) {
+        locked(&self.warnings).clear();
+    }
+
+    pub fn print_warnings(&self) {
+        for (text, count) in locked(&self.warnings).iter() {
+            let times = if *count > 1 { format!(" ({count} times)") } else { String::new() };
+            match self.settings.verbosity {
+                Verbosity::Json => {
+                    let event = serde_json::json!({
+                        "event": "warning", "text": text, "times": count
+                    });
+                    eprintln!("{event}");
+                }
+                Verbosity::Quiet | Verbosity::Bar => eprintln!("warning: {text}{times}"),
+            }
+        }
+    }
+}
+
+/// A thread that panicked leaves these lists as good as they were.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(|e| e.into_inner())
+}
+
+/// The host of a state.
+pub(super) fn of(lua: &Lua) -> mlua::Result<Host> {
+    let host = lua.app_data_ref::<Host>();
+    host.map(|host| host.clone()).ok_or_else(|| mlua::Error::runtime("state without a host"))
+}

@@ -1,0 +1,182 @@
+//! `lampyris.scene` and `scene:render`.
+
+use std::sync::{Arc, OnceLock};
+
+use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods};
+
+use super::host::Host;
+use super::image::LuaImage;
+use super::light::LuaLight;
+use super::material::LuaMaterial;
+use super::mesh::LuaMesh;
+use super::options::{self, Arguments, Options};
+use super::quality::{ASKED_KEYS, asked, quality, warn_of_target};
+use super::view::LuaView;
+use super::{fault, host, paths};
+use crate::color::Photometry;
+use crate::error::Error;
+use crate::material::Material;
+use crate::program::sweep::{self, Digest};
+use crate::render;
+use crate::scene::plausibility;
+use crate::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
+use crate::spectrum::Spectrum;
+use crate::view::View;
+
+/// Handle of a scene; prepared at its first render and then kept.
+#[derive(Debug, Clone)]
+pub struct LuaScene {
+    scene: Arc<Scene>,
+    prepared: Arc<OnceLock<Arc<Prepared>>>,
+    fingerprint: Arc<OnceLock<Digest>>,
+}
+
+const KEYS: [&str; 6] = ["ambient", "background", "lights", "objects", "photometry", "shadows"];
+
+pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
+    module.set("scene", fault::function(lua, |lua, a| scene(lua, Arguments::new("scene", a, 1)?))?)
+}
+
+fn scene(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
+    let options = arguments.options(&KEYS)?;
+    let mut parts = Parts::default();
+    let objects = options.required_list("objects", "a list of {mesh =, material =}")?;
+    for (at, value) in (1..).zip(objects) {
+        parts.add_object(Options::new(
+            &format!("scene: object {at}"),
+            value,
+            &["material", "mesh"],
+        )?)?;
+    }
+    let lights = options.list("lights", "a list of raysets")?.unwrap_or_default();
+    let lights = lights.iter().map(|value| {
+        let light: LuaLight = options::handle("scene", "\"lights\"", value, "a list of raysets")?;
+        Ok(Light { rays: light.rays, spectrum: Arc::unwrap_or_clone(light.spectrum) })
+    });
+    let photometries = [("relative", Photometry::Relative), ("absolute", Photometry::Absolute)];
+    let shadows = if options.flag("shadows", false)? { Shadows::On } else { Shadows::Off };
+    let black = || Spectrum::constant(0.0);
+    let scene = Scene {
+        lights: lights.collect::<mlua::Result<_>>()?,
+        background: options.spectrum("background")?.unwrap_or_else(black),
+        ambient: options.spectrum("ambient")?.unwrap_or_else(black),
+        photometry: options.choice("photometry", &photometries)?.unwrap_or(Photometry::Relative),
+        shadows,
+        objects: parts.objects,
+        materials: parts.materials.iter().map(|m| Material::clone(m)).collect(),
+    };
+    scene.check()?;
+    let host = host::of(lua)?;
+    scene.warnings().into_iter().for_each(|warning| host.warn(warning));
+    Ok(LuaScene { scene: Arc::new(scene), prepared: Arc::default(), fingerprint: Arc::default() })
+}
+
+#[derive(Default)]
+struct Parts {
+    objects: Vec<Object>,
+    materials: Vec<Arc<Material>>,
+}
+
+impl Parts {
+    /// A material handle used twice is one material of the scene.
+    fn add_object(&mut self, options: Options) -> mlua::Result<()> {
+        let mesh: LuaMesh = options.required_handle("mesh", "a mesh")?;
+        let material: LuaMaterial = options.required_handle("material", "a material")?;
+        let known = self.materials.iter().position(|m| Arc::ptr_eq(m, &material.0));
+        let material = known.unwrap_or_else(|| {
+            self.materials.push(material.0);
+            self.materials.len() - 1
+        });
+        self.objects.push(Object { mesh: mesh.0, material: MaterialId(material) });
+        Ok(())
+    }
+}
+
+impl LuaScene {
+    /// Built at the first call, which warns of what looks unintended.
+    pub(super) fn prepared(&self, host: &Host) -> mlua::Result<Arc<Prepared>> {
+        if let Some(prepared) = self.prepared.get() {
+            return Ok(Arc::clone(prepared));
+        }
+        let prepared = Arc::new(Scene::clone(&self.scene).prepare()?);
+        plausibility::of_scene(&prepared).into_iter().for_each(|warning| host.warn(warning));
+        Ok(Arc::clone(self.prepared.get_or_init(|| prepared)))
+    }
+
+    pub(super) fn flux_lm(&self) -> f64 {
+        self.scene.lights.iter().map(|light| light.rays.flux_lm).sum()
+    }
+
+    /// Of all that a picture depends on, but view and quality.
+    pub(super) fn fingerprint(&self) -> &Digest {
+        self.fingerprint.get_or_init(|| sweep::of_scene(&self.scene))
+    }
+
+    fn render(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaImage> {
+        let value = arguments.value();
+        let view: LuaView = options::handle("scene:render", "argument 1", &value, "a view")?;
+        let asked = asked(arguments.options(&ASKED_KEYS)?)?;
+        let host = host::of(lua)?;
+        let prepared = self.prepared(&host)?;
+        warn_of_view(&host, &prepared, &view.0);
+        let progress = host.progress(view.0.pixels());
+        let (mut image, stats) = asked.render(&prepared, &view.0, &progress)?;
+        warn_of_target(&host, &stats);
+        image.metadata.insert("script".to_owned(), host.script.display().to_string());
+        Ok(LuaImage::new(image, stats, view.0, &prepared))
+    }
+}
+
+impl LuaScene {
+    /// Relative errors of the light sums at some hits, and how much faster they are than exact ones.
+    fn check_light_error(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
+        const OBJECT: &str = "scene:check_light_error";
+        let value = arguments.value();
+        let view: LuaView = options::handle(OBJECT, "argument 1", &value, "a view")?;
+        let keys = ["hits", "light_error", "max_depth", "min_throughput", "wavelength_step"];
+        let options = arguments.options(&keys)?;
+        let hits = options.count("hits", 1, 1_000_000)?.unwrap_or(300) as usize;
+        let quality = quality(options)?;
+        let prepared = self.prepared(&host::of(lua)?)?;
+        let check = render::check_light_error(&prepared, &view.0, &quality, hits)?;
+        let check = check.ok_or_else(|| {
+            Error::inconsistent(OBJECT, "no light arrives at what the view shows")
+        })?;
+        let table = lua.create_table()?;
+        table.set("sums", check.sums)?;
+        table.set("median", check.median)?;
+        table.set("percentile_95", check.percentile_95)?;
+        table.set("largest", check.largest)?;
+        table.set("largest_of_estimate", check.largest_of_estimate)?;
+        table.set("speedup", check.speedup)?;
+        Ok(table)
+    }
+}
+
+pub(super) fn warn_of_view(host: &Host, prepared: &Prepared, view: &View) {
+    plausibility::of_view(prepared, view).into_iter().for_each(|warning| host.warn(warning));
+}
+
+impl UserData for LuaScene {
+    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
+        fault::method(methods, "render", |lua, this: &Self, a| {
+            this.render(lua, Arguments::new("scene:render", a, 2)?)
+        });
+        fault::method(methods, "check_light_error", |lua, this: &Self, a| {
+            this.check_light_error(lua, Arguments::new("scene:check_light_error", a, 2)?)
+        });
+        fault::method(methods, "paths", |lua, this: &Self, a| {
+            paths::paths(lua, this, Arguments::new("scene:paths", a, 2)?)
+        });
+        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
+            let scene = &this.scene;
+            let triangles: usize = scene.objects.iter().map(|o| o.mesh.triangles.len()).sum();
+            Ok(format!(
+                "scene: {} objects, {triangles} triangles, {} lights",
+                scene.objects.len(),
+                scene.lights.len()
+            ))
+        });
+        fault::refuse_unknown_fields(methods, "scene", &["check_light_error", "paths", "render"]);
+    }
+}

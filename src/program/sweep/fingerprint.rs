@@ -1,0 +1,132 @@
+//! What a scene holds, as one digest: equal scenes give equal pictures.
+
+use super::digest::{Digest, Hasher};
+use crate::geometry::mesh::Shading;
+use crate::geometry::{DVec3, Mesh};
+use crate::light::RaySet;
+use crate::scene::{Light, Object, Scene};
+
+/// Digest of all that rendering reads from `scene`.
+///
+/// The fields are named one by one, so that a new one cannot be forgotten here.
+pub fn of_scene(scene: &Scene) -> Digest {
+    let Scene { objects, materials, lights, background, ambient, photometry, shadows } = scene;
+    let mut hasher = Hasher::new();
+    // Debug shows every field, and numbers with all their digits.
+    hasher.text(&format!("{materials:?} {background:?} {ambient:?} {photometry:?} {shadows:?}"));
+    for Object { mesh, material } in objects {
+        hasher.text(&format!("object {material:?}"));
+        add_mesh(&mut hasher, mesh);
+    }
+    for Light { rays, spectrum } in lights {
+        hasher.text(&format!("light {spectrum:?}"));
+        add_rays(&mut hasher, rays);
+    }
+    hasher.finish()
+}
+
+fn add_mesh(hasher: &mut Hasher, mesh: &Mesh) {
+    let Mesh { positions, triangles, shading } = mesh;
+    add_points(hasher, positions);
+    add_triangles(hasher, triangles);
+    match shading {
+        Shading::Flat => hasher.text("flat"),
+        Shading::PerPosition(normals) => {
+            hasher.text("per position");
+            add_points(hasher, normals);
+        }
+        Shading::PerCorner { normals, triangles } => {
+            hasher.text("per corner");
+            add_points(hasher, normals);
+            add_triangles(hasher, triangles);
+        }
+    }
+}
+
+fn add_points(hasher: &mut Hasher, points: &[DVec3]) {
+    hasher.bytes(&(points.len() as u64).to_le_bytes());
+    for point in points {
+        hasher.floats(point.to_array().into_iter());
+    }
+}
+
+fn add_triangles(hasher: &mut Hasher, triangles: &[[u32; 3]]) {
+    hasher.bytes(&(triangles.len() as u64).to_le_bytes());
+    for index in triangles.iter().flatten() {
+        hasher.bytes(&index.to_le_bytes());
+    }
+}
+
+fn add_rays(hasher: &mut Hasher, rays: &RaySet) {
+    let RaySet { samples, world_from_local, flux_lm } = rays;
+    hasher.floats(world_from_local.to_cols_array().into_iter());
+    hasher.floats([*flux_lm].into_iter());
+    hasher.bytes(&(samples.len() as u64).to_le_bytes());
+    for sample in samples.iter() {
+        for value in sample.position.iter().chain(&sample.direction).chain([&sample.flux]) {
+            hasher.bytes(&value.to_bits().to_le_bytes());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Photometry;
+    use crate::light::RaySample;
+    use crate::material::{Lobes, Material};
+    use crate::scene::{MaterialId, Shadows};
+    use crate::spectrum::Spectrum;
+    use std::sync::Arc;
+
+    fn scene() -> Scene {
+        let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
+        let material = Material {
+            name: "m".to_owned(),
+            reflectance: Spectrum::constant(0.5),
+            transmittance: None,
+            thickness_mm: None,
+            ior: None,
+            lobes: Lobes { k_d: 1.0, n_d: 1.0, specular: Vec::new() },
+            k_rg: 0.0,
+            k_tg: 0.0,
+            k_a: 0.0,
+        };
+        let sample = RaySample { position: [0.0; 3], direction: [0.0, 0.0, 1.0], flux: 1.0 };
+        Scene {
+            objects: vec![Object {
+                mesh: Arc::new(Mesh::flat("t", positions, vec![[0, 1, 2]]).unwrap()),
+                material: MaterialId(0),
+            }],
+            materials: vec![material],
+            lights: vec![Light {
+                rays: RaySet::new([sample].into(), 10.0),
+                spectrum: Spectrum::blackbody(2856.0),
+            }],
+            background: Spectrum::constant(0.0),
+            ambient: Spectrum::constant(0.0),
+            photometry: Photometry::Relative,
+            shadows: Shadows::Off,
+        }
+    }
+
+    #[test]
+    fn every_change_changes_the_digest() {
+        let base = of_scene(&scene());
+        assert_eq!(base, of_scene(&scene()));
+        let changes: [fn(&mut Scene); 7] = [
+            |s| s.materials[0].k_rg = 1e-300,
+            |s| s.background = Spectrum::constant(1e-30),
+            |s| s.shadows = Shadows::On,
+            |s| s.lights[0].rays.flux_lm = 10.000000000000002,
+            |s| s.lights[0].rays.world_from_local.translation.z = 1e-12,
+            |s| Arc::make_mut(&mut s.objects[0].mesh).positions[2].z = -0.0,
+            |s| s.objects.clear(),
+        ];
+        for (at, change) in changes.into_iter().enumerate() {
+            let mut scene = scene();
+            change(&mut scene);
+            assert_ne!(base, of_scene(&scene), "change {at}");
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! The plain scene, and its preparation for rendering.
+
+pub mod plausibility;
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use crate::color::Photometry;
+use crate::error::{Error, Result};
+use crate::geometry::Mesh;
+use crate::geometry::bvh::Bvh;
+use crate::light::RaySet;
+use crate::light::tree::LightTree;
+use crate::material::Material;
+use crate::spectrum::{Spectrum, WavelengthGrid};
+
+/// Index into [`Scene::materials`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MaterialId(pub usize);
+
+#[derive(Debug, Clone)]
+pub struct Object {
+    pub mesh: Arc<Mesh>,
+    pub material: MaterialId,
+}
+
+/// A RAYSET and its spectrum.
+#[derive(Debug, Clone)]
+pub struct Light {
+    pub rays: RaySet,
+    /// I_norm(λ), ≥ 0, relative: its luminous integral is scaled to the set's flux (eq. 12).
+    pub spectrum: Spectrum,
+}
+
+/// Whether light samples can be hidden by opaque surfaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shadows {
+    Off,
+    On,
+}
+
+/// Everything that a script describes, before anything is built from it.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    pub objects: Vec<Object>,
+    pub materials: Vec<Material>,
+    pub lights: Vec<Light>,
+    /// What a ray sees that hits nothing, in the unit of the image.
+    pub background: Spectrum,
+    /// I_a(λ), in the unit of the image.
+    pub ambient: Spectrum,
+    pub photometry: Photometry,
+    pub shadows: Shadows,
+}
+
+/// A scene with what rendering needs: built once, used by every view.
+#[derive(Debug)]
+pub struct Prepared {
+    pub scene: Scene,
+    pub bvh: Bvh,
+    /// One a light.
+    pub light_trees: Vec<LightTree>,
+    /// Whether shadow segments end at the object.
+    pub blocks: Vec<bool>,
+    pub seconds: BuildSeconds,
+}
+
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BuildSeconds {
+    pub bvh: f64,
+    pub light_trees: f64,
+}
+
+impl Scene {
+    /// Errors: a material's spectrum outside of 0 to 1; a light whose spectrum has negative values
+    /// or no luminous flux.
+    pub fn check(&self) -> Result<()> {
+        self.materials.iter().try_for_each(Material::check)?;
+        for light in &self.lights {
+            check_not_negative("light: spectrum", &light.spectrum)?;
+            light.power_per_lumen(WavelengthGrid::Step5)?;
+        }
+        check_not_negative("scene: background", &self.background)?;
+        check_not_negative("scene: ambient", &self.ambient)
+    }
+
+    /// Builds BVH and light trees. Errors: as [`Scene::check`].
+    pub fn prepare(self) -> Result<Prepared> {
+        self.check()?;
+        let start = Instant::now();
+        let meshes: Vec<Arc<Mesh>> = self.objects.iter().map(|o| Arc::clone(&o.mesh)).collect();
+        let bvh = Bvh::build(&meshes);
+        let bvh_seconds = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let light_trees = self.lights.iter().map(|light| LightTree::build(&light.rays)).collect();
+        let seconds = BuildSeconds { bvh: bvh_seconds, light_trees: start.elapsed().as_secs_f64() };
+        let blocks =
+            self.objects.iter().map(|o| !self.materials[o.material.0].transmits()).collect();
+        Ok(Prepared { bvh, light_trees, blocks, seconds, scene: self })
+    }
+
+    /// What silently changes the picture, in words.
+    pub fn warnings(&self) -> Vec<String> {
+        match self.photometry {
+            Photometry::Relative => Vec::new(),
+            Photometry::Absolute => {
+                self.materials.iter().filter_map(Material::gain_warning).collect()
+            }
+        }
+    }
+}
+
+impl Light {
+    /// I_norm(λ) in W/nm a lm, at the bands of `grid` (eq. 12).
+    ///
+    /// Errors: a spectrum without luminous flux on this grid.
+    pub fn power_per_lumen(&self, grid: WavelengthGrid) -> Result<Vec<f64>> {
+        let luminous = self.spectrum.luminous_flux(grid);
+        if luminous > 0.0 && luminous.is_finite() {
+            let per_lumen = self.spectrum.scaled(luminous.recip());
+            return Ok(per_lumen.on_grid(grid));
+        }
+        let problem = format!(
+            "spectrum has no luminous flux at the bands of {} nm, so that {} lm cannot be shared out",
+            grid.step_nm(),
+            self.rays.flux_lm
+        );
+        Err(Error::inconsistent("light", problem))
+    }
+}
+
+fn check_not_negative(what: &str, spectrum: &Spectrum) -> Result<()> {
+    let rows = spectrum.wavelengths_nm().iter().zip(spectrum.values());
+    for (lambda_nm, &value) in rows {
+        if value < 0.0 {
+            return Err(Error::out_of_range(
+                what,
+                &format!("value at {lambda_nm} nm"),
+                value,
+                "≥ 0",
+            ));
+        }
+    }
+    Ok(())
+}

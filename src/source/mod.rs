@@ -1,0 +1,22 @@
+//! Where light comes from: ray files, filaments, bulbs and the comparison cylinder (eq. 10 to 12),
+//! each of which becomes a [`crate::light::RaySet`].
+
+pub mod bulb;
+pub mod coil;
+pub mod cylinder;
+pub mod filament;
+mod lambert;
+pub mod noise;
+pub mod rayfile;
+pub mod report;
+mod sequence;
+pub mod start_surface;
+pub mod surface_fit;
+pub mod thinning;
+pub mod tungsten;
+
+pub use bulb::Bulb;
+pub use coil::Coil;
+pub use cylinder::Cylinder;
+pub use filament::Filament;
+pub use start_surface::StartSurface;
