@@ -1,12 +1,16 @@
 //! Curves on luminance that bring a scene's range into a display's; chromaticity is kept.
 
+use std::fmt;
+use std::sync::Arc;
+
 use super::exposure;
 use crate::error::Result;
 use crate::image::XyzImage;
 
 /// A curve from luminance to luminance, both relative to display white.
-#[derive(Clone, Copy, Default)]
-pub enum Tone<'a> {
+#[derive(Clone, Default)]
+pub enum Tone {
+    /// Luminance as it is.
     #[default]
     Linear,
     /// L/(1 + L).
@@ -19,13 +23,27 @@ pub enum Tone<'a> {
     /// black, since a lamp stands before a black background.
     Photographic,
     /// Any other; must return finite values ≥ 0.
-    Curve(&'a dyn Fn(f64) -> Result<f64>),
+    Curve(Arc<ToneCurve>),
+}
+
+/// From luminance to luminance, both relative to display white.
+pub type ToneCurve = dyn Fn(f64) -> Result<f64> + Send + Sync;
+
+impl fmt::Debug for Tone {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Linear => "Linear",
+            Self::Reinhard => "Reinhard",
+            Self::Photographic => "Photographic",
+            Self::Curve(_) => "Curve",
+        })
+    }
 }
 
 /// Key of [`Tone::Photographic`].
 pub const MIDDLE_GRAY: f64 = 0.18;
 
-impl Tone<'_> {
+impl Tone {
     /// Factor to cd/m² that this curve wants for `image`.
     ///
     /// Errors: as [`XyzImage::luminance_percentile`].
@@ -51,7 +69,7 @@ impl Tone<'_> {
                 let white_2 = brightest * brightest;
                 bend(image, white_cd_m2, |l| Ok(l * (1.0 + l / white_2) / (1.0 + l)))
             }
-            Self::Curve(curve) => bend(image, white_cd_m2, curve),
+            Self::Curve(curve) => bend(image, white_cd_m2, &**curve),
         }
     }
 }
@@ -114,7 +132,7 @@ mod tests {
         assert_close(&luminances(Tone::Photographic), &photographic);
         let root = |l: f64| Ok(l.sqrt());
         let roots = [0.0, 100.0 * 0.1f64.sqrt(), 100.0, 100.0 * 10f64.sqrt()];
-        assert_close(&luminances(Tone::Curve(&root)), &roots);
+        assert_close(&luminances(Tone::Curve(Arc::new(root))), &roots);
     }
 
     #[test]
@@ -127,7 +145,8 @@ mod tests {
     #[test]
     fn a_curve_that_gives_nonsense_names_the_pixel() {
         let negative = |l: f64| Ok(-l);
-        let message = Tone::Curve(&negative).apply(&mut image(), 100.0).unwrap_err().to_string();
+        let message =
+            Tone::Curve(Arc::new(negative)).apply(&mut image(), 100.0).unwrap_err().to_string();
         assert_eq!(
             message,
             "image: pixel x = 1, y = 0 gets -0.1 by the tone curve: XYZ = (20, 10, 1)"

@@ -11,6 +11,7 @@ use crate::color::Xyz;
 use crate::error::{Error, Result};
 use crate::spectrum::{WavelengthGrid, cie};
 use crate::statistics::percentile;
+use crate::view::View;
 
 /// Percentile of luminance that a picture shows as white, unless it is told its exposure.
 pub const AUTO_PERCENT: f64 = 99.5;
@@ -30,6 +31,8 @@ pub struct SpectralImage {
     pub error: Option<Vec<f32>>,
     /// Camera rays traced for each pixel.
     pub samples: Option<Vec<f32>>,
+    /// From where it was seen; `None` where nobody knows.
+    pub view: Option<View>,
     /// What made the image, in plain words.
     pub metadata: Metadata,
 }
@@ -48,6 +51,7 @@ impl SpectralImage {
             photometry,
             error: None,
             samples: None,
+            view: None,
             metadata: Metadata::new(),
         }
     }

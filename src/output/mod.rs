@@ -10,4 +10,6 @@ pub(crate) mod scratch;
 pub use atomic::{write_atomically, write_csv, write_text};
 pub use base64::base64;
 pub use exr::{ExrInfo, read_exr, read_exr_info, write_exr};
-pub use png::{ColorSpace, Raster, Samples, display_raster, encode_png, read_png, write_png};
+pub use png::{
+    ColorSpace, Raster, Samples, develop_png, display_raster, encode_png, read_png, write_png,
+};

@@ -6,9 +6,9 @@ use std::io::{self, BufReader, BufWriter};
 use std::path::Path;
 
 use super::atomic::write_atomically;
-use crate::display::{Display, DisplayImage};
+use crate::display::{Developed, Display, DisplayImage, Look};
 use crate::error::{Error, Place, Result};
-use crate::image::Metadata;
+use crate::image::{Metadata, SpectralImage};
 
 /// Digits with their meaning.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,6 +43,18 @@ pub fn write_png(path: &Path, raster: &Raster) -> Result<()> {
     write_atomically(path, |file| encode_png(BufWriter::new(file), raster))
 }
 
+/// Develops `image` and writes its picture to `path`, with the image's metadata.
+///
+/// Errors: as [`Look::develop`] and [`write_png`].
+pub fn develop_png(path: &Path, image: &SpectralImage, look: &Look) -> Result<Developed> {
+    let developed = look.develop(image)?;
+    let mut raster = display_raster(&developed.picture, &look.display)?;
+    raster.metadata = image.metadata.clone();
+    write_png(path, &raster)?;
+    Ok(developed)
+}
+
+/// Writes `raster` as a PNG stream; errors as [`write_png`].
 pub fn encode_png(out: impl io::Write, raster: &Raster) -> io::Result<()> {
     let size = |pixels: usize| u32::try_from(pixels).map_err(io::Error::other);
     let mut info = ::png::Info::with_size(size(raster.width)?, size(raster.height)?);

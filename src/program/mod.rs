@@ -8,4 +8,5 @@ pub mod intensity;
 pub mod memory;
 pub mod progress;
 pub mod script;
+pub mod stage;
 pub mod sweep;

@@ -190,6 +190,7 @@ impl Film {
             photometry,
             error,
             samples,
+            view: Some(*view),
             metadata: metadata(view, quality),
         }
     }

@@ -245,7 +245,8 @@ fn picture(options: &Options) -> mlua::Result<RasterPanel> {
     let panel = match false_colors(options, &image)? {
         Some(colors) => false_color(&image.xyz_image(), &colors)?,
         None => {
-            let shown = image::present(&image, &Display::srgb(), options)?.image;
+            let look = image::look(options, Display::srgb())?;
+            let shown = look.develop(image.spectral())?.picture;
             let pixels = shown.digits.iter().map(|digits| digits.map(|digit| digit as u8));
             RasterPanel {
                 title: String::new(),

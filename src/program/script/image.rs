@@ -1,6 +1,5 @@
 //! The image that a render returns.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use mlua::{Function, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
@@ -12,9 +11,7 @@ use super::spectrum::LuaSpectrum;
 use super::view::MAX_SIDE;
 use super::{fault, figure, host};
 use crate::color::Photometry;
-use crate::display::{
-    self, Display, DisplayImage, Exposure, Gamut, GamutReport, Glare, GlareReport, Rendition, Tone,
-};
+use crate::display::{Developed, Display, Exposure, Gamut, GamutReport, Glare, Look, Tone};
 use crate::error::Error;
 use crate::image::difference::ImageDifference;
 use crate::image::{Region, SpectralImage, XyzImage};
@@ -77,6 +74,10 @@ impl LuaImage {
 
     pub(super) fn xyz_image(&self) -> XyzImage {
         self.0.image.to_xyz()
+    }
+
+    pub(super) fn spectral(&self) -> &SpectralImage {
+        &self.0.image
     }
 
     pub(super) fn photometry(&self) -> Photometry {
@@ -186,8 +187,9 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
         }
         Some("png") => {
             let options = arguments.options(&PNG_KEYS)?;
-            let shown = save_png(&target, &rendered.image, &rendered.view, &options)?;
-            warn_of_gamut(&host, &path, &shown.image.gamut);
+            let look = look_on_display(&options)?;
+            let shown = output::develop_png(&target, &rendered.image, &look)?;
+            warn_of_gamut(&host, &path, &shown.picture.gamut);
             png_stats(lua, &shown)
         }
         _ => {
@@ -217,65 +219,35 @@ pub(super) fn warn_of_gamut(host: &Host, path: &str, gamut: &GamutReport) {
     }
 }
 
-/// A PNG that was written, and what was done to its light.
-pub(super) struct Shown {
-    pub image: DisplayImage,
-    pub glare: Option<GlareReport>,
-}
-
-pub(super) fn save_png(
-    target: &Path,
-    image: &SpectralImage,
-    view: &View,
-    options: &Options,
-) -> mlua::Result<Shown> {
+/// How a PNG is shown, by its options.
+pub(super) fn look_on_display(options: &Options) -> mlua::Result<Look> {
     let display = options.handle::<LuaDisplay>("display", "a display")?;
-    let display = display.map_or_else(Display::srgb, |d| Arc::unwrap_or_clone(d.display));
-    let shown = present_seen(image, view, &display, options)?;
-    let mut raster = output::display_raster(&shown.image, &display)?;
-    raster.metadata = image.metadata.clone();
-    output::write_png(target, &raster)?;
-    Ok(shown)
+    look(options, display.map_or_else(Display::srgb, |d| Arc::unwrap_or_clone(d.display)))
 }
 
-/// The digits of a picture, by the options of a PNG.
-pub(super) fn present(
-    image: &LuaImage,
-    display: &Display,
-    options: &Options,
-) -> mlua::Result<Shown> {
-    present_seen(&image.0.image, &image.0.view, display, options)
-}
-
-fn present_seen(
-    image: &SpectralImage,
-    view: &View,
-    display: &Display,
-    options: &Options,
-) -> mlua::Result<Shown> {
-    let curve = options.value("tone")?;
-    let curve = curve.as_function().cloned();
-    let bend = |luminance: f64| curve_value(curve.as_ref(), luminance);
-    let tones = [
-        ("linear", Tone::Linear),
-        ("reinhard", Tone::Reinhard),
-        ("photographic", Tone::Photographic),
-    ];
-    let tone = match curve {
-        Some(_) => Tone::Curve(&bend),
-        None => options.choice("tone", &tones)?.unwrap_or_default(),
-    };
+/// How a picture is shown, by the options of a PNG but for its display.
+pub(super) fn look(options: &Options, display: Display) -> mlua::Result<Look> {
     let gamuts = [("clip", Gamut::Clip), ("desaturate", Gamut::Desaturate)];
-    let gamut = options.choice("gamut", &gamuts)?.unwrap_or_default();
-    let rendition = Rendition { exposure: exposure(options)?, tone, gamut };
-    let (seen, glare) = match glare(options)? {
-        None => (image.to_xyz(), None),
-        Some(glare) => {
-            let (seen, report) = display::apply_glare(&image.to_xyz(), view.fov_deg, &glare)?;
-            (seen, Some(report))
-        }
-    };
-    Ok(Shown { image: display::present(&seen, display, &rendition)?, glare })
+    Ok(Look {
+        display,
+        exposure: exposure(options)?,
+        tone: tone(options)?,
+        gamut: options.choice("gamut", &gamuts)?.unwrap_or_default(),
+        glare: glare(options)?,
+    })
+}
+
+/// A curve's name, or a function.
+fn tone(options: &Options) -> mlua::Result<Tone> {
+    if let Value::Function(curve) = options.value("tone")? {
+        return Ok(Tone::Curve(Arc::new(move |luminance| curve_value(&curve, luminance))));
+    }
+    let tones = [("linear", 0), ("reinhard", 1), ("photographic", 2)];
+    Ok(match options.choice("tone", &tones)? {
+        Some(1) => Tone::Reinhard,
+        Some(2) => Tone::Photographic,
+        _ => Tone::Linear,
+    })
 }
 
 /// `{age =, pigment =, strength =}`, or `true` for the default eye.
@@ -296,16 +268,15 @@ fn glare(options: &Options) -> mlua::Result<Option<Glare>> {
 }
 
 /// A script's tone curve, from and to luminance relative to display white.
-fn curve_value(curve: Option<&Function>, luminance: f64) -> crate::Result<f64> {
+fn curve_value(curve: &Function, luminance: f64) -> crate::Result<f64> {
     let failed = |problem: String| Error::inconsistent("image:save: tone", problem);
-    match curve.map(|curve| curve.call::<Value>(luminance)) {
-        Some(Ok(Value::Number(value))) => Ok(value),
-        Some(Ok(Value::Integer(value))) => Ok(value as f64),
-        Some(Ok(other)) => {
+    match curve.call::<Value>(luminance) {
+        Ok(Value::Number(value)) => Ok(value),
+        Ok(Value::Integer(value)) => Ok(value as f64),
+        Ok(other) => {
             Err(failed(format!("returned {}, expected a number", options::describe(&other))))
         }
-        Some(Err(error)) => Err(failed(fault::message(&error))),
-        None => Ok(luminance),
+        Err(error) => Err(failed(fault::message(&error))),
     }
 }
 
@@ -331,10 +302,10 @@ fn exposure(options: &Options) -> mlua::Result<Exposure> {
     }
 }
 
-fn png_stats(lua: &Lua, shown: &Shown) -> mlua::Result<Table> {
+fn png_stats(lua: &Lua, shown: &Developed) -> mlua::Result<Table> {
     let table = lua.create_table()?;
     table.set("glare_lost", shown.glare.map(|glare| glare.lost_share))?;
-    let shown = &shown.image;
+    let shown = &shown.picture;
     table.set("exposure", shown.exposure_factor)?;
     table.set("outside_gamut", shown.gamut.outside())?;
     table.set("too_dark", shown.gamut.too_dark)?;

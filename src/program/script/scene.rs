@@ -1,6 +1,6 @@
 //! `lampyris.scene` and `scene:render`.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods};
 
@@ -16,7 +16,7 @@ use super::{fault, host, paths};
 use crate::color::Photometry;
 use crate::error::Error;
 use crate::material::Material;
-use crate::program::sweep::{self, Digest};
+use crate::program::stage::Stage;
 use crate::render;
 use crate::scene::plausibility;
 use crate::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
@@ -25,11 +25,7 @@ use crate::view::View;
 
 /// Handle of a scene; prepared at its first render and then kept.
 #[derive(Debug, Clone)]
-pub struct LuaScene {
-    scene: Arc<Scene>,
-    prepared: Arc<OnceLock<Arc<Prepared>>>,
-    fingerprint: Arc<OnceLock<Digest>>,
-}
+pub struct LuaScene(pub Arc<Stage>);
 
 const KEYS: [&str; 6] = ["ambient", "background", "lights", "objects", "photometry", "shadows"];
 
@@ -68,7 +64,7 @@ fn scene(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
     scene.check()?;
     let host = host::of(lua)?;
     scene.warnings().into_iter().for_each(|warning| host.warn(warning));
-    Ok(LuaScene { scene: Arc::new(scene), prepared: Arc::default(), fingerprint: Arc::default() })
+    Ok(LuaScene(Arc::new(Stage::new(scene))))
 }
 
 #[derive(Default)]
@@ -95,21 +91,11 @@ impl Parts {
 impl LuaScene {
     /// Built at the first call, which warns of what looks unintended.
     pub(super) fn prepared(&self, host: &Host) -> mlua::Result<Arc<Prepared>> {
-        if let Some(prepared) = self.prepared.get() {
-            return Ok(Arc::clone(prepared));
-        }
-        let prepared = Arc::new(Scene::clone(&self.scene).prepare()?);
-        plausibility::of_scene(&prepared).into_iter().for_each(|warning| host.warn(warning));
-        Ok(Arc::clone(self.prepared.get_or_init(|| prepared)))
+        Ok(self.0.prepared(&|warning| host.warn(warning))?)
     }
 
     pub(super) fn flux_lm(&self) -> f64 {
-        self.scene.lights.iter().map(|light| light.rays.flux_lm).sum()
-    }
-
-    /// Of all that a picture depends on, but view and quality.
-    pub(super) fn fingerprint(&self) -> &Digest {
-        self.fingerprint.get_or_init(|| sweep::of_scene(&self.scene))
+        self.0.scene.lights.iter().map(|light| light.rays.flux_lm).sum()
     }
 
     fn render(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaImage> {
@@ -169,7 +155,7 @@ impl UserData for LuaScene {
             paths::paths(lua, this, Arguments::new("scene:paths", a, 2)?)
         });
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
-            let scene = &this.scene;
+            let scene = &this.0.scene;
             let triangles: usize = scene.objects.iter().map(|o| o.mesh.triangles.len()).sum();
             Ok(format!(
                 "scene: {} objects, {triangles} triangles, {} lights",

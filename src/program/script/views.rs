@@ -5,8 +5,9 @@ use mlua::{Lua, MultiValue, Thread, Value};
 
 use super::options;
 use super::scene::LuaScene;
-use super::sweep::Item;
+use super::sweep::shot;
 use super::view::LuaView;
+use crate::program::sweep::Shot;
 
 /// Where the views come from.
 pub(super) struct Views {
@@ -57,7 +58,7 @@ impl Views {
     }
 
     /// View `index`, 1-based and asked for in order; `None` after the last.
-    pub(super) fn next(&mut self, lua: &Lua, index: usize) -> mlua::Result<Option<Item>> {
+    pub(super) fn next(&mut self, lua: &Lua, index: usize) -> mlua::Result<Option<Shot>> {
         let values = match &self.from {
             From::List(list) => match list.get(index - 1) {
                 Some(view) => MultiValue::from_vec(vec![view.clone()]),
@@ -82,6 +83,6 @@ impl Views {
         if view.is_nil() {
             return Ok(None);
         }
-        Item::new(index, &view, &scene, self.scene.as_ref()).map(Some)
+        shot(index, &view, &scene, self.scene.as_ref()).map(Some)
     }
 }

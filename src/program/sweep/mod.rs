@@ -1,6 +1,6 @@
 //! Many views as one experiment: a folder that can be stopped, resumed, shared out and checked.
 //!
-//! `Folder::open → (kept, or render and add) for each view → finish`. Every file is written whole
+//! [`Plan::run`]: `Folder::open → (kept, or render and add) for each view → finish`. Every file is written whole
 //! or not at all, and a view counts only once the manifest names its outputs with their digests;
 //! so a sweep that is killed at any moment goes on where it was, to the same bytes.
 //!
@@ -16,20 +16,21 @@ mod luminance;
 mod manifest;
 mod merge;
 mod page;
+mod plan;
 mod program;
 mod record;
 mod shard;
 mod timings;
 mod verify;
 
-pub use digest::{Digest, Hasher};
+pub use digest::Digest;
 pub use fingerprint::of_scene;
-pub use folder::{Folder, MANIFEST};
-pub use luminance::{LuminanceScale, luminance_raster};
+pub use folder::MANIFEST;
+pub use luminance::LuminanceScale;
 pub use manifest::{Entry, FileDigest, Manifest, Source};
 pub use merge::{Merged, merge};
-pub use page::luminance_name;
+pub use plan::{Done, Plan, Shot, check_name};
 pub use program::{executable, program};
-pub use record::{Reading, asked_record, display_record, stats_record, view_record};
+pub use record::Reading;
 pub use shard::Shard;
 pub use verify::{Report, verify};
