@@ -9,4 +9,5 @@ pub mod memory;
 pub mod progress;
 pub mod script;
 pub mod stage;
+pub mod study;
 pub mod sweep;

@@ -9,7 +9,7 @@ mod lambert;
 pub mod noise;
 pub mod rayfile;
 pub mod report;
-mod sequence;
+pub(crate) mod sequence;
 pub mod start_surface;
 pub mod surface_fit;
 pub mod thinning;

@@ -65,7 +65,7 @@ impl EvenSequence {
 }
 
 /// Independent random numbers in [0, 1): one for each seed, index and dimension.
-pub(super) fn random(seed: u64, index: u64, dimension: u64) -> f64 {
+pub(crate) fn random(seed: u64, index: u64, dimension: u64) -> f64 {
     unit(mix(mix(mix(seed).wrapping_add(index)).wrapping_add(dimension)))
 }
 
