@@ -78,6 +78,7 @@ pub mod program;
 pub mod render;
 pub mod scene;
 pub mod shading;
+pub mod simd;
 pub mod source;
 pub mod spectrum;
 pub mod statistics;

@@ -149,10 +149,10 @@ fn hits_on_and_among_the_samples_are_exact_and_finite() {
     let lobes = lobes(0.5, 10.0, &[(0.5, 1e6)]);
     let mut random = Random(8);
     for i in 0..50 {
-        let on = DVec3::from(set.samples[i * 31].position.map(f64::from));
+        let on = set.samples[i * 31].origin();
         let point = if i % 2 == 0 { on } else { on + random.direction() * 1e-6 };
         for photometry in BOTH {
-            let light = DVec3::from(set.samples[i].position.map(f64::from));
+            let light = set.samples[i].origin();
             let hit = hit_toward(point, light, 0.0, &mut random);
             let query = query(hit, &lobes, photometry);
             let exact = reference_sum(&set, &query, None);

@@ -15,7 +15,8 @@ use std::time::Instant;
 
 use embree::{Embree, EmbreeRay};
 use lampyris::geometry::mesh::Shading;
-use lampyris::geometry::{Bvh, DVec3, Hit, Mesh, Ray, Simd, TriangleId};
+use lampyris::geometry::{Bvh, DVec3, Hit, Mesh, Ray, TriangleId};
+use lampyris::simd::Simd;
 
 const SIZES: [usize; 3] = [35_000, 350_000, 3_500_000];
 const RAYS: usize = 1 << 17;
@@ -105,6 +106,7 @@ fn measure_set(bvh: &Bvh, embree: Option<&Embree>, name: &str, rays: &[Start]) -
     let embree_rays: Vec<_> = rays.iter().map(embree_ray).collect();
     let mut contenders: Vec<_> = Simd::available()
         .into_iter()
+        .filter(|simd| *simd <= Simd::Avx2) // no kernel is wider
         .map(|simd| {
             let bvh = bvh.clone().with_simd(simd);
             Contender::new(format!("{simd:?}"), move |block| trace(&bvh, &rays[block]))

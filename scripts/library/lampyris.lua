@@ -201,7 +201,19 @@ lampyris.rayset = {}
 ---@field count integer
 ---@field flux number  lm
 ---@field spectrum Spectrum
+---@field start_surface FittedSurface?  what the starts lie on, if a point, plane, sphere or cylinder
 local Rayset = {}
+
+---@class FittedSurface  in the set's own coordinates
+---@field kind "point"|"sphere"|"cylinder"|"plane"
+---@field center vector  mm
+---@field radius number?  mm; of a plane: of the starts about the center
+---@field length number?  mm, of a cylinder
+---@field axis vector?  of a cylinder
+---@field normal vector?  of a plane
+---@field rms number  mm, of the starts that it explains
+---@field share number  of the starts that it explains, 0 to 1
+---@field is_source boolean  false where the rays come from a much thinner place inside
 
 ---Every ray, where it is in the world.
 ---@return table[]  position (mm), direction, flux (lm)

@@ -5,7 +5,7 @@ pub mod mesh;
 pub mod obj;
 pub mod section;
 
-pub use bvh::{Bvh, Departure, Simd};
+pub use bvh::{Bvh, Departure};
 pub use glam::DVec3;
 pub use mesh::Mesh;
 pub use section::Plane;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 
 /// One ray of a RAYSET: a Lambert emitter about `direction` at `position`.
 ///
@@ -16,6 +16,18 @@ pub struct RaySample {
     pub direction: [f32; 3],
     /// Relative to the other samples of the set, ≥ 0; `RaySet::flux_lm` gives the unit.
     pub flux: f32,
+}
+
+impl RaySample {
+    /// Where the ray starts, mm, in the set's own coordinates.
+    pub fn origin(&self) -> DVec3 {
+        DVec3::from_array(self.position.map(f64::from))
+    }
+
+    /// Where the ray goes: unit to f64, or zero for a direction that is none.
+    pub fn unit_direction(&self) -> DVec3 {
+        DVec3::from_array(self.direction.map(f64::from)).normalize_or_zero()
+    }
 }
 
 /// The geometry and flux of a light source; its spectrum is the scene's business.
@@ -34,5 +46,22 @@ impl RaySet {
     /// A set where it was made, in its own coordinates.
     pub fn new(samples: Arc<[RaySample]>, flux_lm: f64) -> Self {
         Self { samples, world_from_local: DAffine3::IDENTITY, flux_lm }
+    }
+
+    /// Where a sample lies in the world, mm.
+    pub fn world_origin(&self, sample: &RaySample) -> DVec3 {
+        self.world_from_local.transform_point3(sample.origin())
+    }
+
+    /// Where a sample points in the world: unit, or zero for a direction that is none.
+    pub fn world_direction(&self, sample: &RaySample) -> DVec3 {
+        let direction = DVec3::from_array(sample.direction.map(f64::from));
+        self.world_from_local.transform_vector3(direction).normalize_or_zero()
+    }
+
+    /// Φ_i of a sample whose `flux` is 1, lm; 0 for a set that emits nothing.
+    pub fn lm_per_flux(&self) -> f64 {
+        let total: f64 = self.samples.iter().map(|sample| f64::from(sample.flux)).sum();
+        if total > 0.0 { self.flux_lm / total } else { 0.0 }
     }
 }

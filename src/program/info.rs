@@ -9,6 +9,7 @@ use crate::error::{Error, Place, Result};
 use crate::geometry::{DVec3, obj};
 use crate::output;
 use crate::program::sweep::Manifest;
+use crate::source::Starts;
 use crate::source::rayfile::{self, RayFile, SpectrumSource};
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
@@ -125,6 +126,7 @@ fn rays(file: &RayFile) -> Vec<String> {
         SpectrumSource::Table => "spectrum: a table".to_owned(),
         SpectrumSource::Mixture { tables } => format!("spectrum: {tables} tables"),
     });
+    lines.extend(Starts::of(&file.samples).lines());
     lines.extend(file.description.iter().map(|(name, text)| format!("{name}: {text}")));
     lines.extend(file.warnings.iter().map(|warning| format!("warning: {warning}")));
     lines

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use crate::geometry::{DVec3, Mesh, Ray};
+use crate::light::RaySample;
 use crate::scene::{MaterialId, Prepared};
 use crate::view::View;
 
@@ -83,7 +84,7 @@ fn count_edges(mesh: &Mesh, uses: &mut HashMap<[Corner; 2], u32>) {
 
 fn light_warning(prepared: &Prepared, at: usize) -> Option<String> {
     let rays = &prepared.scene.lights[at].rays;
-    let sum: DVec3 = rays.samples.iter().map(|s| DVec3::from(s.position.map(f64::from))).sum();
+    let sum: DVec3 = rays.samples.iter().map(RaySample::origin).sum();
     let center = rays.world_from_local.transform_point3(sum / rays.samples.len().max(1) as f64);
     is_enclosed(prepared, center, |object| prepared.blocks[object]).then(|| {
         format!(

@@ -194,6 +194,7 @@ pub fn amber_glass(lambda_nm: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::color::signal::SignalColor;
+    use crate::light::RaySample;
     use crate::spectrum::WavelengthGrid;
     use std::f64::consts::PI;
 
@@ -352,7 +353,7 @@ mod tests {
             let sum: DVec3 = set
                 .samples
                 .iter()
-                .map(|s| DVec3::from(s.position.map(f64::from)))
+                .map(RaySample::origin)
                 .map(|p| set.world_from_local.transform_point3(p))
                 .sum();
             sum / 5000.0

@@ -84,12 +84,8 @@ mod tests {
         let across = axis.any_orthonormal_vector();
         for mu in [0.0f64, 0.3, 0.5, 0.9] {
             let toward = axis * mu + across * (1.0 - mu * mu).sqrt();
-            let sum: f64 = set
-                .samples
-                .iter()
-                .map(|s| DVec3::from(s.direction.map(f64::from)))
-                .map(|d| set.world_from_local.transform_vector3(d).dot(toward).max(0.0))
-                .sum();
+            let sum: f64 =
+                set.samples.iter().map(|s| set.world_direction(s).dot(toward).max(0.0)).sum();
             let intensity = sum / (PI * set.samples.len() as f64);
             let expected = (1.0 - mu * mu).sqrt() / (PI * PI);
             assert!((intensity / expected - 1.0).abs() < 0.02, "{mu}: {intensity} {expected}");

@@ -226,8 +226,7 @@ mod tests {
         let wire =
             Coil { wire_radius_mm: 0.1, turns: 2.0, pitch_mm: 1000.0, coil_radius_mm: 0.101 };
         let set = filament(wire, 20_000).rayset().unwrap();
-        let directions: Vec<DVec3> =
-            set.samples.iter().map(|s| DVec3::from(s.direction.map(f64::from))).collect();
+        let directions: Vec<DVec3> = set.samples.iter().map(RaySample::unit_direction).collect();
         let n = 400;
         let mid = |k: usize| (k as f64 + 0.5) / n as f64 - 0.5;
         let share = (0..n).map(|k| intensity(&directions, mid(k))).sum::<f64>() * TAU / n as f64;
@@ -250,7 +249,7 @@ mod tests {
             let set = filament(coil, samples).rayset().unwrap();
             assert_eq!((set.samples.len(), set.flux_lm), (samples, 460.0));
             for s in set.samples.iter() {
-                let direction = DVec3::from(s.direction.map(f64::from));
+                let direction = s.unit_direction();
                 assert!((direction.length() - 1.0).abs() < 1e-6, "{coil:?}: {s:?}");
                 assert!(s.position.iter().all(|x| x.is_finite()) && s.flux == 1.0);
             }
@@ -283,7 +282,7 @@ mod tests {
         };
         let set = placed.rayset().unwrap();
         for s in set.samples.iter() {
-            let p = set.world_from_local.transform_point3(DVec3::from(s.position.map(f64::from)));
+            let p = set.world_origin(s);
             assert!(p.x.abs() < 3.1 && (p - placed.center).truncate().y.abs() < 0.57);
             assert!((p.z - 25.0).abs() < 0.57);
         }

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::geometry::DVec3;
-use crate::light::{RaySample, RaySet};
+use crate::light::RaySet;
 
 /// Where rays are made to start, in the set's own coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -97,17 +97,6 @@ impl StartSurface {
             Core::Axis { direction, .. } => v - v.dot(direction) * direction,
             Core::Point(_) => v,
         }
-    }
-}
-
-impl RaySample {
-    pub fn origin(&self) -> DVec3 {
-        DVec3::from_array(self.position.map(f64::from))
-    }
-
-    /// Unit to f64.
-    pub fn unit_direction(&self) -> DVec3 {
-        DVec3::from_array(self.direction.map(f64::from)).normalize_or_zero()
     }
 }
 

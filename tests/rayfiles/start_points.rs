@@ -2,11 +2,8 @@
 
 use glam::DVec3;
 use lampyris::light::{RaySample, RaySet};
-use lampyris::source::StartSurface;
-use lampyris::source::report::RayReport;
 use lampyris::source::surface_fit::FittedSurface;
-
-use crate::seeds::{Tm25, read};
+use lampyris::source::{StartSurface, Starts};
 
 const RADIUS_MM: f64 = 0.65;
 const Z_MM: (f64, f64) = (9.0, 13.1);
@@ -76,27 +73,33 @@ fn with_its_radius_the_whole_filament_reappears() {
 #[test]
 fn the_report_sees_sphere_and_filament() {
     let rays = filament_on_sphere(20_000);
-    let row = |s: &RaySample| [&s.position[..], &s.direction[..], &[s.flux]].concat();
-    let rows = rays.samples.iter().map(row).collect();
-    let file = read(&Tm25 { rows, luminous: 1.0, ..Tm25::default() }.bytes()).unwrap();
-    let report = RayReport::new(&file);
-    let Some(FittedSurface::Sphere { center, radius_mm }) =
-        report.start_surface.map(|fit| fit.surface)
+    let report = Starts::of(&rays.samples);
+    let Some(FittedSurface::Sphere { center, radius_mm }) = report.surface.map(|fit| fit.surface)
     else {
-        panic!("{report}")
+        panic!("{report:?}")
     };
     // f32 start points at 10 mm.
     assert!(center.distance(DVec3::new(0.0, 0.0, 10.0)) < 1e-5 && (radius_mm - 10.0).abs() < 1e-5);
-    let emitter = report.emitter.unwrap();
-    assert_eq!(emitter.axis, DVec3::Z);
+    let inner = report.inner_source.unwrap();
+    assert_eq!(inner.axis, DVec3::Z);
     // The fitted axis is off by the standard error of the mean, about 0.65/√20000.
-    assert!((emitter.radius_mm - RADIUS_MM).abs() < 0.01);
+    assert!((inner.radius_mm - RADIUS_MM).abs() < 0.01);
     // An even source all around: as much below as above.
     assert!((report.below_rays - 0.5).abs() < 0.01 && report.mean_direction.length() < 0.01);
-    let text = report.to_string();
-    assert!(
-        text.contains("start surface   sphere about (0.0000, 0.0000, 10.0000), radius 10.0000")
-    );
-    assert!(text.contains("problem         the header says 1 lm, the rays sum to 20000 lm"));
-    assert!(text.contains("start = { axis = {0, 0, 1}"));
+    let text = report.lines().join("\n");
+    assert!(text.contains("start surface: sphere about (0.0000, 0.0000, 10.0000), radius 10.0000"));
+    assert!(text.contains("start = { axis = {0, 0, 1}, through = {"), "{text}");
+}
+
+#[test]
+fn rays_that_start_on_their_source_need_no_remedy() {
+    let source = StartSurface::axis(DVec3::ZERO, DVec3::Z).unwrap().with_radius(RADIUS_MM).unwrap();
+    let report = Starts::of(&filament_on_sphere(20_000).starting_at(&source).unwrap().samples);
+    let Some(FittedSurface::Cylinder { radius_mm, length_mm, .. }) =
+        report.surface.map(|fit| fit.surface)
+    else {
+        panic!("{report:?}")
+    };
+    assert!((radius_mm - RADIUS_MM).abs() < 1e-5 && (length_mm - 4.1).abs() < 1e-3);
+    assert_eq!(report.warning(), None);
 }

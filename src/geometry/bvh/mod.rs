@@ -26,6 +26,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::{DVec3, Mesh, TriangleId};
+use crate::simd::Simd;
 use binary::Primitive;
 use bounds::Frame;
 pub use departure::Departure;
@@ -41,34 +42,8 @@ pub struct Bvh {
     high: DVec3,
     frame: Frame,
     tree: Tree,
+    /// Which kernel walks the tree; all give the same hits, and none is wider than AVX2.
     simd: Simd,
-}
-
-/// Which kernel walks the tree. All give the same hits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Simd {
-    /// What the target of the build has.
-    Portable,
-    #[cfg(target_arch = "x86_64")]
-    Avx2,
-}
-
-impl Simd {
-    /// The kernels that this processor has, the fastest last.
-    pub fn available() -> Vec<Simd> {
-        #[cfg(target_arch = "x86_64")]
-        {
-            let has_avx2 = is_x86_feature_detected!("avx2")
-                && is_x86_feature_detected!("fma")
-                && is_x86_feature_detected!("bmi1")
-                && is_x86_feature_detected!("lzcnt")
-                && is_x86_feature_detected!("popcnt");
-            if has_avx2 {
-                return vec![Simd::Portable, Simd::Avx2];
-            }
-        }
-        vec![Simd::Portable]
-    }
 }
 
 impl Bvh {
@@ -89,7 +64,7 @@ impl Bvh {
             high,
             frame,
             tree: Tree { nodes: Vec::new(), packets: Vec::new(), root: None },
-            simd: Simd::available().pop().unwrap_or(Simd::Portable),
+            simd: Simd::widest(),
         };
         bvh.tree = bvh.build_tree();
         bvh

@@ -10,7 +10,8 @@ use super::kernel::{Aim, Kernel, Portable, to_end_mm};
 use super::probe::{Crossing, Probe};
 use super::walk;
 use super::wide::NO_TRIANGLE;
-use super::{Bvh, Simd, departure};
+use super::{Bvh, departure};
+use crate::simd::Simd;
 
 /// The open segment of a visibility question.
 #[derive(Debug, Clone, Copy)]
@@ -25,10 +26,10 @@ impl Bvh {
     /// exactly the same distance it is that with the lower number.
     pub fn closest_hit(&self, ray: &Ray, leaving: Option<TriangleId>) -> Option<Hit> {
         match self.simd {
-            Simd::Portable => self.closest_with::<Portable>(ray, leaving),
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: `Simd::available` names this variant only where the processor has the features.
-            Simd::Avx2 => unsafe { avx2::closest(self, ray, leaving) },
+            // SAFETY: `Simd` names these variants only where the processor has the features.
+            Simd::Avx2 | Simd::Avx512 => unsafe { avx2::closest(self, ray, leaving) },
+            _ => self.closest_with::<Portable>(ray, leaving),
         }
     }
 
@@ -44,10 +45,10 @@ impl Bvh {
     ) -> bool {
         let Some(segment) = self.segment(from, target, leaving) else { return false };
         match self.simd {
-            Simd::Portable => self.occluded_with::<Portable>(&segment, blocks),
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
-            Simd::Avx2 => unsafe { avx2::occluded(self, &segment, blocks) },
+            Simd::Avx2 | Simd::Avx512 => unsafe { avx2::occluded(self, &segment, blocks) },
+            _ => self.occluded_with::<Portable>(&segment, blocks),
         }
     }
 

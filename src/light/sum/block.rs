@@ -11,6 +11,7 @@ use glam::DVec3;
 use super::Side;
 use super::lanes::{LARGEST_EXPONENT, exp_neg, inverse_sqrt, larger, neg_ln, neg_ln_1m, smaller};
 use super::power::{LobeSet, Power};
+use crate::simd::widest;
 
 /// Samples whose partial sums are kept apart; the order of summation depends on nothing else.
 pub(crate) const LANES: usize = 16;
@@ -174,50 +175,13 @@ pub(crate) fn sum_block(
         Reach::AllLobes => &query.lobes.specular,
         _ => &[],
     };
-    dispatch(groups, &side, (query.lobes.diffuse, specular), scratch)
-}
-
-#[cfg(target_arch = "x86_64")]
-fn dispatch(
-    groups: &[SampleGroup],
-    side: &LocalSide,
-    lobes: (Power, &[Power]),
-    scratch: &mut Scratch,
-) -> f64 {
-    #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw")]
-    fn with_avx512(
+    let (side, lobes) = (&side, (query.lobes.diffuse, specular));
+    widest!(kernel(
         groups: &[SampleGroup],
         side: &LocalSide,
         lobes: (Power, &[Power]),
-        scratch: &mut Scratch,
-    ) -> f64 {
-        kernel(groups, side, lobes, scratch)
-    }
-    #[target_feature(enable = "avx2")]
-    fn with_avx2(
-        groups: &[SampleGroup],
-        side: &LocalSide,
-        lobes: (Power, &[Power]),
-        scratch: &mut Scratch,
-    ) -> f64 {
-        kernel(groups, side, lobes, scratch)
-    }
-    // SAFETY: each is called only after the processor has said that it has the features.
-    match super::isa::detected() {
-        super::isa::Isa::Avx512 => unsafe { with_avx512(groups, side, lobes, scratch) },
-        super::isa::Isa::Avx2 => unsafe { with_avx2(groups, side, lobes, scratch) },
-        super::isa::Isa::Plain => kernel(groups, side, lobes, scratch),
-    }
-}
-
-#[cfg(not(target_arch = "x86_64"))]
-fn dispatch(
-    groups: &[SampleGroup],
-    side: &LocalSide,
-    lobes: (Power, &[Power]),
-    scratch: &mut Scratch,
-) -> f64 {
-    kernel(groups, side, lobes, scratch)
+        scratch: &mut Scratch
+    ) -> f64)
 }
 
 #[inline(always)]

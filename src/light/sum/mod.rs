@@ -1,7 +1,6 @@
 //! What a hit asks of a light source, the answer (eq. 2 and 9), and the plain f64 sum.
 
 pub(crate) mod block;
-pub(crate) mod isa;
 pub(crate) mod lanes;
 pub(crate) mod power;
 mod reference;

@@ -16,10 +16,7 @@ pub fn reference_sum(set: &RaySet, query: &HitQuery, visible: Option<Visibility>
     let mut sum = LightSum::default();
     let sides = (Side::reflected(query), Side::transmitted(query));
     for sample in set.samples.iter() {
-        let position = DVec3::from(sample.position.map(f64::from));
-        let direction = DVec3::from(sample.direction.map(f64::from));
-        let position = set.world_from_local.transform_point3(position);
-        let direction = set.world_from_local.transform_vector3(direction).normalize_or_zero();
+        let (position, direction) = (set.world_origin(sample), set.world_direction(sample));
         let to_light = position - query.point;
         let (l, r) = (to_light.normalize_or_zero(), to_light.length());
         let emitted = f64::from(sample.flux) * (-l.dot(direction)).max(0.0);
@@ -34,17 +31,11 @@ pub fn reference_sum(set: &RaySet, query: &HitQuery, visible: Option<Visibility>
         let target = if cos > 0.0 { &mut sum.reflected } else { &mut sum.transmitted };
         *target += value;
     }
-    let lm_per_flux = lm_per_flux(set);
+    let lm_per_flux = set.lm_per_flux();
     sum.reflected *= lm_per_flux;
     sum.transmitted *= lm_per_flux;
     sum.samples = u32::try_from(set.samples.len()).unwrap_or(u32::MAX);
     sum
-}
-
-/// Φ_i of a sample whose `flux` is 1; 0 for a set that emits nothing.
-fn lm_per_flux(set: &RaySet) -> f64 {
-    let total: f64 = set.samples.iter().map(|sample| f64::from(sample.flux)).sum();
-    if total > 0.0 { set.flux_lm / total } else { 0.0 }
 }
 
 fn scattered(side: &Side, lobes: &Lobes, photometry: Photometry, l: DVec3) -> f64 {

@@ -70,7 +70,7 @@ impl Blocks {
             (_, Some(free)) => {
                 sum_block(self.groups_of(block), block.center, query, reach, scratch);
                 let values = scratch.contributions(block.samples.len()).zip(self.samples_of(block));
-                let seen = values.filter(|(value, sample)| *value > 0.0 && free(place(sample)));
+                let seen = values.filter(|(value, sample)| *value > 0.0 && free(sample.origin()));
                 seen.map(|(value, _)| f64::from(value)).sum()
             }
         };
@@ -81,20 +81,16 @@ impl Blocks {
         self.samples_of(block)
             .filter_map(|sample| {
                 let value = contribution_f64(sample, query);
-                (value > 0.0 && visible.is_none_or(|free| free(place(sample)))).then_some(value)
+                (value > 0.0 && visible.is_none_or(|free| free(sample.origin()))).then_some(value)
             })
             .sum()
     }
 }
 
-fn place(sample: &RaySample) -> DVec3 {
-    DVec3::from(sample.position.map(f64::from))
-}
-
 fn contribution_f64(sample: &RaySample, query: &BlockQuery) -> f64 {
-    let to_light = place(sample) - query.point;
+    let to_light = sample.origin() - query.point;
     let l = to_light.normalize_or_zero();
-    let q = DVec3::from(sample.direction.map(f64::from)).normalize_or_zero();
+    let q = sample.unit_direction();
     let emitted = f64::from(sample.flux) * (-l.dot(q)).max(0.0);
     if emitted == 0.0 || l.dot(query.side.normal) <= 0.0 {
         return 0.0;
@@ -120,7 +116,7 @@ fn build_block(source: &[RaySample], placed: &[Placed], start: usize) -> (Block,
     let mut groups = vec![SampleGroup::EMPTY; placed.len().div_ceil(LANES)];
     for (i, (position, sample)) in positions().zip(placed).enumerate() {
         let sample = &source[sample.index as usize];
-        let direction = DVec3::from(sample.direction.map(f64::from)).normalize_or_zero();
+        let direction = sample.unit_direction();
         let (offset, flux) = (position - center, direction * f64::from(sample.flux));
         let group = &mut groups[i / LANES];
         for axis in 0..3 {

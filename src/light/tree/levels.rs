@@ -11,6 +11,7 @@ use super::interpolation::TableError;
 use super::moments::Channels;
 use super::octahedron::Grid;
 use super::table::{CellSamples, RawTable};
+use crate::light::RaySample;
 use crate::light::sum::block::Block;
 
 /// Sets of fewer blocks (about 2000 samples) are summed as fast without tables.
@@ -230,7 +231,7 @@ struct Place {
 impl Place {
     fn of(blocks: &Blocks, own: &[Block]) -> Place {
         let samples = || own.iter().flat_map(|block| blocks.samples_of(block));
-        let positions = || samples().map(|s| DVec3::from(s.position.map(f64::from)));
+        let positions = || samples().map(RaySample::origin);
         let center = super::blocks::box_center(positions());
         let radius = positions().map(|p| p.distance(center)).fold(0.0, f64::max);
         let flux = samples().map(|sample| f64::from(sample.flux)).sum();

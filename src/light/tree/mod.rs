@@ -62,14 +62,13 @@ impl LightTree {
         let order = order::order(&set.samples);
         let blocks = Blocks::new(set, &order);
         let levels = Levels::build(&blocks, order.depth);
-        let total: f64 = set.samples.iter().map(|sample| f64::from(sample.flux)).sum();
         LightTree {
             blocks,
             levels,
             world_from_local: set.world_from_local,
             local_from_world: set.world_from_local.inverse(),
             scale: set.world_from_local.matrix3.determinant().abs().cbrt(),
-            lm_per_flux: if total > 0.0 { set.flux_lm / total } else { 0.0 },
+            lm_per_flux: set.lm_per_flux(),
         }
     }
 
@@ -168,12 +167,12 @@ impl LightTree {
     }
 }
 
-#[cfg(all(test, target_arch = "x86_64"))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::light::RaySample;
-    use crate::light::sum::isa::test::under_each;
     use crate::material::{Lobes, SpecularLobe};
+    use crate::simd::test::under_each;
 
     /// On a helix, turned outward.
     fn helix(count: usize) -> RaySet {

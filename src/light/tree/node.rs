@@ -24,6 +24,7 @@ use super::moments::{
 };
 use super::octahedron::Grid;
 use crate::light::sum::power::Power;
+use crate::simd::widest;
 
 /// One side of a hit, relative to the tree's center.
 #[derive(Debug, Clone, Copy)]
@@ -58,30 +59,8 @@ const NEAREST: f32 = 0.3;
 /// Of directions in f32, rad.
 const ROUNDING: f32 = 4e-7;
 
-pub(super) fn eval_octet(
-    octet: &Octet,
-    (grid, table): (Grid, &[Channels]),
-    query: &NodeQuery,
-) -> NodeSums {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use crate::light::sum::isa::{Isa, detected};
-        #[target_feature(enable = "avx2")]
-        fn with_avx2(octet: &Octet, table: (Grid, &[Channels]), query: &NodeQuery) -> NodeSums {
-            kernel(octet, table, query)
-        }
-        #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw")]
-        fn with_avx512(octet: &Octet, table: (Grid, &[Channels]), query: &NodeQuery) -> NodeSums {
-            kernel(octet, table, query)
-        }
-        // SAFETY: each is called only after the processor has said that it has the features.
-        match detected() {
-            Isa::Avx512 => return unsafe { with_avx512(octet, (grid, table), query) },
-            Isa::Avx2 => return unsafe { with_avx2(octet, (grid, table), query) },
-            Isa::Plain => {}
-        }
-    }
-    kernel(octet, (grid, table), query)
+pub(super) fn eval_octet(octet: &Octet, table: (Grid, &[Channels]), query: &NodeQuery) -> NodeSums {
+    widest!(kernel(octet: &Octet, table: (Grid, &[Channels]), query: &NodeQuery) -> NodeSums)
 }
 
 #[inline(always)]

@@ -6,6 +6,7 @@ use super::moments::{
 };
 use super::octahedron::Grid;
 use crate::light::sum::block::{BLOCK_CAPACITY, LANES, SampleGroup};
+use crate::simd::widest;
 
 /// A cell's samples, as far as a table needs them.
 pub(super) struct CellSamples<'a> {
@@ -114,25 +115,7 @@ fn lit_factors(group: &SampleGroup, offset: &[Lanes; 3]) -> [Lanes; 3] {
 }
 
 fn add_block(terms: &Terms, vertices: &[[f32; 3]], sums: &mut [[f64; MOMENTS]]) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use crate::light::sum::isa::{Isa, detected};
-        #[target_feature(enable = "avx512f,avx512vl,avx512dq,avx512bw")]
-        fn with_avx512(terms: &Terms, vertices: &[[f32; 3]], sums: &mut [[f64; MOMENTS]]) {
-            kernel(terms, vertices, sums);
-        }
-        #[target_feature(enable = "avx2")]
-        fn with_avx2(terms: &Terms, vertices: &[[f32; 3]], sums: &mut [[f64; MOMENTS]]) {
-            kernel(terms, vertices, sums);
-        }
-        // SAFETY: each is called only after the processor has said that it has the features.
-        match detected() {
-            Isa::Avx512 => return unsafe { with_avx512(terms, vertices, sums) },
-            Isa::Avx2 => return unsafe { with_avx2(terms, vertices, sums) },
-            Isa::Plain => {}
-        }
-    }
-    kernel(terms, vertices, sums);
+    widest!(kernel(terms: &Terms, vertices: &[[f32; 3]], sums: &mut [[f64; MOMENTS]]));
 }
 
 const GROUPS: usize = BLOCK_CAPACITY / LANES;

@@ -14,8 +14,8 @@ use crate::error::Error;
 use crate::geometry::DVec3;
 use crate::light::{RaySample, RaySet};
 use crate::source::rayfile::{self, LightOptions, SaveFormat};
-use crate::source::start_surface::StartSurface;
-use crate::source::{noise, thinning};
+use crate::source::surface_fit::{FittedSurface, SurfaceFit};
+use crate::source::{StartSurface, Starts, noise, thinning};
 use crate::spectrum::Spectrum;
 
 /// Handle of a light source: its samples and its spectrum.
@@ -25,8 +25,18 @@ pub struct LuaLight {
     pub spectrum: Arc<Spectrum>,
 }
 
-const NAMES: [&str; 9] =
-    ["count", "flux", "halves", "noise", "rays", "save", "spectrum", "starting_at", "transform"];
+const NAMES: [&str; 10] = [
+    "count",
+    "flux",
+    "halves",
+    "noise",
+    "rays",
+    "save",
+    "spectrum",
+    "start_surface",
+    "starting_at",
+    "transform",
+];
 
 pub(super) const FLUX: Range = Range::above_zero("lm");
 pub(super) const MAX_SAMPLES: u64 = 100_000_000;
@@ -64,6 +74,8 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     }
     if options.has("start")? {
         rays = rays.starting_at(&start_surface(options.value("start")?)?)?;
+    } else if let Some(warning) = Starts::of(&rays.samples).warning() {
+        host.warn(format!("{path}: {warning}"));
     }
     placed(LuaLight { rays, spectrum: Arc::new(spectrum) }, options.value("transform")?)
 }
@@ -203,19 +215,43 @@ fn noise(host: &Host, light: &LuaLight, options: &Options) -> mlua::Result<f64> 
     error.ok_or_else(|| Error::inconsistent(object, "the pictures are black").into())
 }
 
+/// What start points lie on, in the set's own coordinates.
+fn surface_table(lua: &Lua, fit: SurfaceFit, is_source: bool) -> mlua::Result<Table> {
+    let table = lua.create_table()?;
+    let (kind, center) = match fit.surface {
+        FittedSurface::Point { at } => ("point", at),
+        FittedSurface::Sphere { center, radius_mm } => {
+            table.set("radius", radius_mm)?;
+            ("sphere", center)
+        }
+        FittedSurface::Cylinder { through, axis, radius_mm, length_mm } => {
+            table.set("radius", radius_mm)?;
+            table.set("length", length_mm)?;
+            table.set("axis", axis.to_array())?;
+            ("cylinder", through)
+        }
+        FittedSurface::Plane { through, normal, radius_mm } => {
+            table.set("radius", radius_mm)?;
+            table.set("normal", normal.to_array())?;
+            ("plane", through)
+        }
+    };
+    table.set("kind", kind)?;
+    table.set("center", center.to_array())?;
+    table.set("rms", fit.rms_mm)?;
+    table.set("share", fit.share)?;
+    table.set("is_source", is_source)?;
+    Ok(table)
+}
+
 /// Each ray as `{position =, direction =, flux =}`, in the scene's place, mm and lm.
 fn rays(lua: &Lua, rays: &RaySet) -> mlua::Result<Vec<Table>> {
-    let flux_sum: f64 = rays.samples.iter().map(|sample| f64::from(sample.flux)).sum();
-    let lm_per_unit = rays.flux_lm / flux_sum;
+    let lm_per_flux = rays.lm_per_flux();
     let ray = |sample: &RaySample| {
-        let position = DVec3::from(sample.position.map(f64::from));
-        let direction = DVec3::from(sample.direction.map(f64::from));
         let table = lua.create_table()?;
-        let position = rays.world_from_local.transform_point3(position);
-        table.set("position", position.to_array())?;
-        let direction = rays.world_from_local.transform_vector3(direction).normalize_or_zero();
-        table.set("direction", direction.to_array())?;
-        table.set("flux", f64::from(sample.flux) * lm_per_unit)?;
+        table.set("position", rays.world_origin(sample).to_array())?;
+        table.set("direction", rays.world_direction(sample).to_array())?;
+        table.set("flux", f64::from(sample.flux) * lm_per_flux)?;
         Ok(table)
     };
     rays.samples.iter().map(ray).collect()
@@ -225,6 +261,11 @@ impl UserData for LuaLight {
     fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
         fields.add_field_method_get("count", |_, this| Ok(this.rays.samples.len()));
         fields.add_field_method_get("flux", |_, this| Ok(this.rays.flux_lm));
+        fields.add_field_method_get("start_surface", |lua, this| {
+            let starts = Starts::of(&this.rays.samples);
+            let surface = |fit: SurfaceFit| surface_table(lua, fit, starts.inner_source.is_none());
+            starts.surface.map(surface).transpose()
+        });
         fields.add_field_method_get("spectrum", |_, this| {
             Ok(LuaSpectrum(Arc::clone(&this.spectrum)))
         });

@@ -6,7 +6,8 @@ use std::sync::Arc;
 
 use super::super::mesh::Shading;
 use super::super::{DVec3, Hit, Mesh, Ray, TriangleId};
-use super::{Bvh, Simd, probe};
+use super::{Bvh, probe};
+use crate::simd::Simd;
 
 fn mesh(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> Arc<Mesh> {
     Arc::new(Mesh { positions, triangles, shading: Shading::Flat })
