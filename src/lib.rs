@@ -14,7 +14,7 @@
 //! | storey | module | holds |
 //! |---|---|---|
 //! | ground | [`error`] | the one public error type |
-//! | | [`statistics`], [`columns`], [`fit`] | percentiles; tables of numbers in files; least squares |
+//! | | [`simd`], [`statistics`], [`columns`], [`fit`] | instruction sets; percentiles; tables of numbers in files; least squares |
 //! | | [`spectrum`], [`color`] | the wavelength grid, resampling, CIE tables; tristimulus values, CIELAB, color differences |
 //! | scene | [`geometry`] | rays, hits, meshes and their normals, mesh files, the BVH |
 //! | | [`material`] | what a surface does with light, and lobes fitted to measured curves |
