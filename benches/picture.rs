@@ -11,10 +11,12 @@ use lampyris::color::Photometry;
 use lampyris::geometry::{DVec3, Mesh};
 use lampyris::material::{Lobes, Material, SpecularLobe};
 use lampyris::render::{Quality, Samples, Unwatched, render};
-use lampyris::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
-use lampyris::shading::{Bands, MaterialTables, SpectralTables, TraceLimits, TraceState, Tracer};
+use lampyris::scene::{
+    Light, MaterialId, MaterialTables, Object, Prepared, Scene, Shadows, SpectralTables,
+};
+use lampyris::shading::{TraceLimits, TraceState, Tracer};
 use lampyris::source::{Coil, Filament};
-use lampyris::spectrum::{Spectrum, WavelengthGrid};
+use lampyris::spectrum::{Bands, Spectrum, WavelengthGrid};
 use lampyris::view::View;
 
 const PASSES: usize = 5;
@@ -77,9 +79,9 @@ fn shoot(lamp: &Prepared, light_error: f64) {
 /// 81 bands against the one at 650 nm, which the lens lets through, on one thread: both trace the
 /// same rays.
 fn bands(lamp: &Prepared) {
-    let all = SpectralTables::new(&lamp.scene, WavelengthGrid::Step5).expect("a good light");
-    let one = single_band(&all);
-    let [many, few] = compare(|| trace_all(lamp, &all), || trace_all(lamp, &one));
+    let all = lamp.tables(WavelengthGrid::Step5).expect("a good light");
+    let one = single_band(all);
+    let [many, few] = compare(|| trace_all(lamp, all), || trace_all(lamp, &one));
     println!("81 bands {many:.3} s, 1 band {few:.3} s: ×{:.3}", many / few);
 }
 

@@ -11,10 +11,8 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::image::SpectralImage;
 use crate::scene::Prepared;
-use crate::shading::{
-    Bands, LightCheck, PathSegment, SpectralTables, TraceCounts, TraceLimits, TraceState, Tracer,
-};
-use crate::spectrum::WavelengthGrid;
+use crate::shading::{LightCheck, PathSegment, TraceCounts, TraceLimits, TraceState, Tracer};
+use crate::spectrum::{Bands, WavelengthGrid};
 use crate::view::{Camera, View};
 
 use film::{Film, PixelStats};
@@ -136,10 +134,10 @@ pub fn render(
     watch: &dyn Watch,
 ) -> Result<(SpectralImage, RenderStats)> {
     let start = Instant::now();
-    let tables = SpectralTables::new(&prepared.scene, quality.grid)?;
+    let tables = prepared.tables(quality.grid)?;
     let mut film = Film::new(view, quality.grid.bands());
     let renderer = Renderer {
-        tracer: Tracer { prepared, tables: &tables, limits: quality.limits },
+        tracer: Tracer { prepared, tables, limits: quality.limits },
         camera: view.camera(),
         width: view.width,
         watch,
@@ -171,8 +169,8 @@ pub fn check_light_error(
 ) -> Result<Option<LightCheck>> {
     /// Camera rays tried for each hit, before the view is taken for empty.
     const TRIES: usize = 100;
-    let tables = SpectralTables::new(&prepared.scene, quality.grid)?;
-    let tracer = Tracer { prepared, tables: &tables, limits: quality.limits };
+    let tables = prepared.tables(quality.grid)?;
+    let tracer = Tracer { prepared, tables, limits: quality.limits };
     let camera = view.camera();
     let rays = (0..(hits * TRIES) as u32).map(|i| {
         let [x, y] = sample_place(i);
@@ -190,8 +188,8 @@ pub fn trace_paths(
     quality: &Quality,
     [x, y]: [f64; 2],
 ) -> Result<Vec<PathSegment>> {
-    let tables = SpectralTables::new(&prepared.scene, quality.grid)?;
-    let tracer = Tracer { prepared, tables: &tables, limits: quality.limits };
+    let tables = prepared.tables(quality.grid)?;
+    let tracer = Tracer { prepared, tables, limits: quality.limits };
     Ok(tracer.paths(view.camera().ray(x, y)))
 }
 

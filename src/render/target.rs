@@ -16,9 +16,9 @@ use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::image::SpectralImage;
 use crate::image::difference::lit_luminance;
-use crate::scene::Prepared;
-use crate::shading::{Bands, SpectralTables, TraceLimits, TraceState, Tracer};
-use crate::spectrum::WavelengthGrid;
+use crate::scene::{Prepared, SpectralTables};
+use crate::shading::{TraceLimits, TraceState, Tracer};
+use crate::spectrum::{Bands, WavelengthGrid};
 use crate::view::View;
 
 /// Shares of the target. Noise adds to the sum of the others by squares: √(0.8² + 0.3²) = 0.85.
@@ -118,8 +118,8 @@ pub fn render_to_target(
     watch: &dyn Watch,
 ) -> Result<(SpectralImage, RenderStats)> {
     let start = Instant::now();
-    let tables = SpectralTables::new(&prepared.scene, GRID)?;
-    let trials = Trials { prepared, tables: &tables, view, target, watch };
+    let tables = prepared.tables(GRID)?;
+    let trials = Trials { prepared, tables, view, target, watch };
     let pilot = Quality {
         samples: Samples::Fixed(PILOT_SAMPLES),
         limits: Rung::CHEAPEST.limits(target),

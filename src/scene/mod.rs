@@ -1,8 +1,9 @@
 //! The plain scene, and its preparation for rendering.
 
 pub mod plausibility;
+mod tables;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use crate::color::Photometry;
@@ -13,6 +14,8 @@ use crate::light::RaySet;
 use crate::light::tree::LightTree;
 use crate::material::Material;
 use crate::spectrum::{Spectrum, WavelengthGrid};
+
+pub use tables::{MaterialTables, SpectralTables};
 
 /// Index into [`Scene::materials`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -63,6 +66,8 @@ pub struct Prepared {
     /// Whether shadow segments end at the object.
     pub blocks: Vec<bool>,
     pub seconds: BuildSeconds,
+    /// Per wavelength grid, resampled when it is first asked for.
+    tables: [OnceLock<SpectralTables>; WavelengthGrid::ALL.len()],
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -96,7 +101,8 @@ impl Scene {
         let seconds = BuildSeconds { bvh: bvh_seconds, light_trees: start.elapsed().as_secs_f64() };
         let blocks =
             self.objects.iter().map(|o| !self.materials[o.material.0].transmits()).collect();
-        Ok(Prepared { bvh, light_trees, blocks, seconds, scene: self })
+        let tables = Default::default();
+        Ok(Prepared { bvh, light_trees, blocks, seconds, tables, scene: self })
     }
 
     /// What silently changes the picture, in words.
@@ -107,6 +113,20 @@ impl Scene {
                 self.materials.iter().filter_map(Material::gain_warning).collect()
             }
         }
+    }
+}
+
+impl Prepared {
+    /// All spectra of the scene at the bands of `grid`: resampled at the first call, then kept.
+    ///
+    /// Errors: a light without luminous flux at these bands.
+    pub fn tables(&self, grid: WavelengthGrid) -> Result<&SpectralTables> {
+        let kept = &self.tables[grid as usize];
+        if let Some(tables) = kept.get() {
+            return Ok(tables);
+        }
+        let tables = SpectralTables::new(&self.scene, grid)?;
+        Ok(kept.get_or_init(|| tables))
     }
 }
 

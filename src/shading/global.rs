@@ -1,9 +1,11 @@
 //! The mirrored and the transmitted ray (eq. 1).
 
-use super::{Bands, Branch, Side, SurfacePoint, TraceState, Tracer};
+use super::walk::{Branch, Facing, RayKind, SurfacePoint};
+use super::{TraceState, Tracer};
 use crate::geometry::{DVec3, Ray};
 use crate::material::Material;
 use crate::scene::MaterialId;
+use crate::spectrum::Bands;
 
 impl Tracer<'_> {
     /// Pushes the rays that `branch` continues in; those of no weight are never traced.
@@ -28,7 +30,8 @@ impl Tracer<'_> {
             if !self.is_cut(&throughput) {
                 state.counts.transmitted_rays += 1;
                 let body = body_after_transmission(surface, material, branch.body);
-                state.pending.push(self.child(surface, direction, body, throughput, branch.depth));
+                let way = Way { kind: RayKind::Transmitted, direction, body };
+                state.pending.push(surface.child(way, throughput, branch.depth + 1));
             }
         }
         if mirror_share > 0.0 {
@@ -38,8 +41,8 @@ impl Tracer<'_> {
             if !self.is_cut(&throughput) {
                 state.counts.mirror_rays += 1;
                 let direction = mirror(surface.normal, surface.view);
-                let depth = branch.depth;
-                state.pending.push(self.child(surface, direction, branch.body, throughput, depth));
+                let way = Way { kind: RayKind::Mirrored, direction, body: branch.body };
+                state.pending.push(surface.child(way, throughput, branch.depth + 1));
             }
         }
     }
@@ -60,22 +63,20 @@ impl Tracer<'_> {
         }
         throughput
     }
+}
 
-    fn child(
-        &self,
-        surface: &SurfacePoint,
-        direction: DVec3,
-        body: Option<MaterialId>,
-        throughput: Bands,
-        depth: u32,
-    ) -> Branch {
-        Branch {
-            ray: Ray { origin: surface.departure.toward(direction), direction },
-            leaving: Some(surface.triangle),
-            depth: depth + 1,
-            body,
-            throughput,
-        }
+/// How a ray goes on behind a hit.
+struct Way {
+    kind: RayKind,
+    direction: DVec3,
+    body: Option<MaterialId>,
+}
+
+impl SurfacePoint {
+    fn child(&self, way: Way, throughput: Bands, depth: u32) -> Branch {
+        let Way { kind, direction, body } = way;
+        let ray = Ray { origin: self.departure.toward(direction), direction };
+        Branch { ray, kind, leaving: Some(self.triangle), depth, body, throughput }
     }
 }
 
@@ -90,8 +91,8 @@ fn transmit(surface: &SurfacePoint, material: &Material) -> Option<DVec3> {
         return Some(-surface.view);
     };
     let eta = match surface.side {
-        Side::Front => ior.recip(),
-        Side::Back => ior,
+        Facing::Front => ior.recip(),
+        Facing::Back => ior,
     };
     let cos_in = surface.normal.dot(surface.view);
     // sin² of the refracted angle, from the component across N, which keeps its digits where the
@@ -114,7 +115,7 @@ fn body_after_transmission(
 ) -> Option<MaterialId> {
     match (material.thickness_mm, surface.side) {
         (None, _) => body,
-        (Some(_), Side::Front) => Some(surface.material),
-        (Some(_), Side::Back) => None,
+        (Some(_), Facing::Front) => Some(surface.material),
+        (Some(_), Facing::Back) => None,
     }
 }

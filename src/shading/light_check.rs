@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::{Arrival, Branch, SurfacePoint, TraceState, Tracer};
+use super::walk::{Arrival, SurfacePoint};
+use super::{TraceState, Tracer};
 use crate::geometry::Ray;
 use crate::light::LightSum;
 use crate::statistics::percentile;
@@ -14,7 +15,7 @@ use crate::statistics::percentile;
 /// Sums below [`DARK`] of the largest one are taken for that much: what is so dark is rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightCheck {
-    /// Sums compared: one a side of a hit and a light that shine.
+    /// Sums compared: one per side of a hit and light that shine.
     pub sums: usize,
     pub median: f64,
     pub percentile_95: f64,
@@ -55,7 +56,7 @@ impl Tracer<'_> {
         LightCheck::from_compared(&compared, exact_seconds / seconds)
     }
 
-    /// Of every light at every hit.
+    /// Sums of every light at every hit.
     fn light_sums(&self, surfaces: &[SurfacePoint], light_error: f64) -> Vec<LightSum> {
         let at = |surface| {
             let lights = 0..self.prepared.light_trees.len();
@@ -65,16 +66,10 @@ impl Tracer<'_> {
     }
 
     fn lit_surfaces(&self, ray: Ray, surfaces: &mut Vec<SurfacePoint>) {
-        let mut state = TraceState::default();
-        state.pending.push(Branch::from_camera(ray, self.tables.bands));
-        while let Some(mut branch) = state.pending.pop() {
-            if let Arrival::Hit(surface) = self.arrive(&mut branch) {
-                if self.is_lit(&surface) {
-                    surfaces.push(surface);
-                }
-                self.push_children(&surface, branch, &mut state);
-            }
-        }
+        self.walk(ray, &mut TraceState::default(), |_, arrival, _| match arrival {
+            Arrival::Hit(surface) if self.is_lit(surface) => surfaces.push(*surface),
+            Arrival::Hit(_) | Arrival::Missed | Arrival::Cut => {}
+        });
     }
 }
 

@@ -2,9 +2,12 @@
 
 use std::cell::Cell;
 
-use super::{Bands, MaterialTables, Side, SurfacePoint, TraceState, Tracer};
+use super::walk::{Facing, SurfacePoint};
+use super::{TraceState, Tracer};
 use crate::geometry::DVec3;
 use crate::light::sum::{HitQuery, LightSum};
+use crate::scene::MaterialTables;
+use crate::spectrum::Bands;
 
 impl Tracer<'_> {
     pub(super) fn add_local(
@@ -53,7 +56,7 @@ impl Tracer<'_> {
             lobes: &scene.materials[surface.material.0].lobes,
             photometry: scene.photometry,
             reflects: tables.reflects,
-            transmits: tables.transmits && surface.side == Side::Front,
+            transmits: tables.transmits && surface.side == Facing::Front,
         }
     }
 

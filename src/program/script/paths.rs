@@ -8,7 +8,7 @@ use super::quality::quality;
 use super::scene::LuaScene;
 use super::view::LuaView;
 use crate::render;
-use crate::shading::{PathKind, PathSegment};
+use crate::shading::{PathSegment, RayKind};
 
 const KEYS: [&str; 5] = ["max_depth", "min_throughput", "wavelength_step", "x", "y"];
 
@@ -32,9 +32,9 @@ pub(super) fn paths(
 fn segment_table(lua: &Lua, segment: &PathSegment) -> mlua::Result<Table> {
     let table = lua.create_table()?;
     let kind = match segment.kind {
-        PathKind::Camera => "camera",
-        PathKind::Mirrored => "mirrored",
-        PathKind::Transmitted => "transmitted",
+        RayKind::Camera => "camera",
+        RayKind::Mirrored => "mirrored",
+        RayKind::Transmitted => "transmitted",
     };
     table.set("kind", kind)?;
     table.set("depth", segment.depth)?;

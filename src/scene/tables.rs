@@ -1,25 +1,30 @@
-//! The scene's spectra at the bands of one render.
+//! The scene's spectra at the bands of a wavelength grid.
 
-use super::Bands;
+use super::Scene;
 use crate::error::Result;
 use crate::material::Material;
-use crate::scene::Scene;
-use crate::spectrum::{Spectrum, WavelengthGrid, cie};
+use crate::spectrum::{Bands, Spectrum, WavelengthGrid, cie};
 
-/// Every spectrum of a scene, resampled once before the first ray.
+/// Every spectrum of a scene at the bands of one grid; [`super::Prepared::tables`] keeps them.
 #[derive(Debug)]
 pub struct SpectralTables {
+    /// How many there are.
     pub bands: usize,
+    /// In the order of [`Scene::materials`].
     pub materials: Vec<MaterialTables>,
-    /// I_norm(λ) in W/nm a lm, one a light (eq. 12).
+    /// I_norm(λ) of each light, in W/nm per lm (eq. 12).
     pub lights: Vec<Bands>,
+    /// What a ray sees that hits nothing, in the unit of the image.
     pub background: Bands,
+    /// I_a(λ), in the unit of the image.
     pub ambient: Bands,
+    /// Whether any band of it is above 0.
     pub has_ambient: bool,
     /// 683 ȳ(λ) Δλ: Y of a spectrum is its product with this.
     pub luminance_weights: Bands,
 }
 
+/// A material's spectra at the bands of one grid.
 #[derive(Debug)]
 pub struct MaterialTables {
     /// F_r(λ).
@@ -29,8 +34,9 @@ pub struct MaterialTables {
     /// −ln F_t / thickness; zero without `thickness`. Where F_t = 0 it is large enough that any
     /// path leaves nothing, and finite so that a path of length 0 leaves everything.
     pub absorption_per_mm: Bands,
-    /// Whether lobes on the viewer's, and on the far side can return light.
+    /// Whether lobes on the viewer's side can return light.
     pub reflects: bool,
+    /// Whether lobes on the far side can.
     pub transmits: bool,
 }
 
@@ -38,7 +44,7 @@ pub struct MaterialTables {
 const OPAQUE_PER_MM: f64 = 1e300;
 
 impl SpectralTables {
-    /// Errors: a light without luminous flux on this grid.
+    /// Resamples all spectra of `scene`. Errors: a light without luminous flux on this grid.
     pub fn new(scene: &Scene, grid: WavelengthGrid) -> Result<Self> {
         let on_grid = |spectrum: &Spectrum| Bands::from_slice(&spectrum.on_grid(grid));
         let weights: Vec<f64> = (0..grid.bands())
