@@ -163,3 +163,30 @@ fn check_not_negative(what: &str, spectrum: &Spectrum) -> Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn empty() -> Scene {
+        Scene {
+            objects: Vec::new(),
+            materials: Vec::new(),
+            lights: Vec::new(),
+            background: Spectrum::constant(0.5),
+            ambient: Spectrum::constant(0.0),
+            photometry: Photometry::Relative,
+            shadows: Shadows::Off,
+        }
+    }
+
+    #[test]
+    fn spectra_are_resampled_once_for_each_grid() {
+        let prepared = empty().prepare().unwrap();
+        for grid in WavelengthGrid::ALL {
+            let tables = prepared.tables(grid).unwrap();
+            assert_eq!(tables.background.as_slice(), vec![0.5; grid.bands()]);
+            assert!(std::ptr::eq(tables, prepared.tables(grid).unwrap()));
+        }
+    }
+}
