@@ -51,6 +51,11 @@ enum Command {
         #[command(flatten)]
         options: RunOptions,
     },
+    /// Say which options a function of the interface takes, such as view
+    Options {
+        #[arg(value_name = "NAME", default_value = "")]
+        name: String,
+    },
     /// Write a commented script to start from: NAME.lua
     New { name: String },
     /// Check the files of a sweep against its manifest
@@ -114,6 +119,13 @@ fn main() -> ExitCode {
         }),
         Command::Repl { options } => options.start(script::repl),
         Command::Info { files } => print_each(&files, |file| info::describe(file)),
+        Command::Options { name } => match script::describe_options(&name) {
+            Ok(text) => {
+                print!("{text}");
+                ExitCode::SUCCESS
+            }
+            Err(error) => exit_code(Err(error)),
+        },
         Command::New { name } => exit_code(script::write_starter(&name).map(|path| {
             println!("{}: run it with: lampyris run {}", path.display(), path.display());
         })),

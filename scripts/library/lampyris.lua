@@ -23,7 +23,7 @@ lampyris.spectrum = {}
 local Spectrum = {}
 
 ---@class SpectrumLoadOptions
----@field column? integer  1-based, 2 or more; default 2
+---@field column? integer  of the values, 1-based; 2 to 1000; default 2
 
 ---Reads a CSV file: wavelength in nm, values; '#' starts a comment.
 ---@param path string
@@ -92,8 +92,8 @@ function lampyris.mesh.load(path, options) end
 
 ---@class MeshNewOptions
 ---@field positions vector[]  mm
----@field triangles integer[][]  {{i, j, k}, …}, 1-based, counter-clockwise from the front
----@field normals? vector[]  one a position; default: means of the adjoining faces' normals
+---@field triangles number[][]  {{i, j, k}, …}, 1-based, counter-clockwise from the front
+---@field normals? vector[]  one for each position; default means of the adjoining faces' normals
 ---@field smooth? boolean  default true
 
 ---@param options MeshNewOptions
@@ -101,10 +101,10 @@ function lampyris.mesh.load(path, options) end
 function lampyris.mesh.new(options) end
 
 ---@class MeshSurfaceOptions
----@field point fun(u: number, v: number): number, number, number  u, v 0 to 1; x, y, z in mm
----@field keep? fun(x: number, y: number, z: number): boolean  default: everything
----@field nu? integer  cells along u, 1 to 100000; default 100
----@field nv? integer  cells along v; default 100
+---@field point fun(u: number, v: number): number, number, number  u, v from 0 to 1; x, y, z in mm
+---@field keep? fun(x: number, y: number, z: number): boolean  default everything
+---@field nu? integer  along u; 1 to 100000 cells; default 100
+---@field nv? integer  along v; 1 to 100000 cells; default 100
 ---@field smooth? boolean  default true
 
 ---A grid of points; its front is the side of ∂/∂u × ∂/∂v.
@@ -123,7 +123,7 @@ function lampyris.mesh.merge(meshes) end
 
 ---Scaled, then turned, then moved.
 ---@class Transform
----@field translate? vector  mm
+---@field translate? vector  mm; default {0, 0, 0}
 ---@field rotate? Rotation
 ---@field scale? number  above 0; default 1
 
@@ -139,8 +139,12 @@ function Mesh:save(path) end
 ---@return Mesh
 function Mesh:flat() end
 
+---@class SectionOptions
+---@field through? vector  mm; default {0, 0, 0}
+---@field normal? vector  default {1, 0, 0}
+
 ---Where a plane cuts the mesh.
----@param plane table  through (mm) and normal
+---@param plane SectionOptions
 ---@return vector[][]  {{from, to}, …}, mm
 function Mesh:section(plane) end
 
@@ -148,17 +152,17 @@ function Mesh:section(plane) end
 
 ---@class MaterialOptions
 ---@field name? string  for messages
----@field reflectance? Spectrum|number  F_r, 0 to 1; default 0
----@field transmittance? Spectrum|number  F_t, 0 to 1; default none: opaque
----@field thickness? number  mm, above 0: F_t is the internal transmittance of this thickness; default none: F_t at every interface crossed
+---@field reflectance? Spectrum|number  F_r; 0 to 1; default 0
+---@field transmittance? Spectrum|number  F_t; 0 to 1; default none: opaque
+---@field thickness? number  F_t is the internal transmittance of this thickness; above 0 mm; default none: F_t at every interface crossed
 ---@field ior? number  1 to 4; default none: rays go straight through
----@field k_d? number  proportion of the diffuse lobe, 0 to 1; default 0
----@field n_d? number  its exponent, 1 to 1e6; default 1, Lambert's
----@field k_s? number|number[]  proportion of the specular lobe (or of several), 0 to 1; default 0
----@field n_s? number|number[]  its exponent, 1 to 1e6; default 1
----@field k_rg? number  proportion of the mirrored ray, 0 to 1; default 0
----@field k_tg? number  proportion of the transmitted ray, 0 to 1; default 0
----@field k_a? number  proportion of the ambient light, 0 to 1; default 0
+---@field k_d? number  proportion of the diffuse lobe; 0 to 1; default 0
+---@field n_d? number  its exponent; 1 is Lambert's; 1 to 1000000; default 1
+---@field k_s? number|number[]  proportion of the specular lobe, or of several; 0 to 1; default 0
+---@field n_s? number|number[]  its exponent; 1 to 1000000; default 1
+---@field k_rg? number  proportion of the mirrored ray; 0 to 1; default 0
+---@field k_tg? number  proportion of the transmitted ray; 0 to 1; default 0
+---@field k_a? number  proportion of the ambient light; 0 to 1; default 0
 
 ---@class Material
 
@@ -169,10 +173,10 @@ function lampyris.material(options) end
 ---@class LobeFitOptions
 ---@field points? number[][]  {{angle, value}, …}, degrees from the lobe's direction
 ---@field file? string  instead of points: a CSV file of angle and value
----@field column? integer  of the values in the file; default 2
----@field range? number[]  {from, to} in degrees; default {0, 90}
----@field weights? number[]  one a point, 0 or more; default 1
----@field lobes? 1|2  default 1
+---@field column? integer  of the values in the file; 2 to 1000; default 2
+---@field range? number[]  {from, to}; 0 to 90 degrees; default {0, 90}
+---@field weights? number[]  one for each point; 0 or more; default 1
+---@field lobes? integer  1 to 2; default 1
 ---@field space? "linear"|"log"  what least squares are taken of; default "linear"
 
 ---@class LobeFit
@@ -255,14 +259,14 @@ function lampyris.rayset.load(path, options) end
 function lampyris.rayset.new(options) end
 
 ---@class CylinderOptions
----@field radius number  mm, above 0
----@field length number  mm, above 0
----@field flux number  lm, above 0
----@field spectrum Spectrum
+---@field radius number  above 0 mm
+---@field length number  above 0 mm
+---@field flux number  above 0 lm
+---@field spectrum Spectrum|number
 ---@field center? vector  mm; default {0, 0, 0}
 ---@field axis? vector  default {1, 0, 0}
----@field samples? integer  default 10000
----@field seed? integer  0 to 2^53
+---@field samples? integer  rays; 1 to 100000000; default 10000
+---@field seed? integer  of the samples; 0 to 9007199254740992; default 1
 
 ---The comparison source of Fig. 8: a cylinder that emits evenly from its lateral surface.
 ---@param options CylinderOptions
@@ -270,16 +274,16 @@ function lampyris.rayset.new(options) end
 function lampyris.cylinder(options) end
 
 ---@class FilamentOptions
----@field wire_radius number  mm, above 0
----@field coil_radius number  mm, above 0
----@field pitch number  mm a turn, above 0
+---@field wire_radius number  above 0 mm
+---@field coil_radius number  above 0 mm
+---@field pitch number  of one turn; above 0 mm
 ---@field turns number  above 0
----@field flux number  lm, above 0
----@field spectrum Spectrum
+---@field flux number  above 0 lm
+---@field spectrum Spectrum|number
 ---@field center? vector  mm; default {0, 0, 0}
 ---@field axis? vector  default {1, 0, 0}
----@field samples? integer  default 100000
----@field seed? integer  0 to 2^53
+---@field samples? integer  rays; 1 to 100000000; default 100000
+---@field seed? integer  of the samples; 0 to 9007199254740992; default 1
 
 ---A coiled filament.
 ---@param options FilamentOptions
@@ -287,14 +291,14 @@ function lampyris.cylinder(options) end
 function lampyris.filament(options) end
 
 ---@class BulbOptions
----@field center? vector  of the light, mm; default {0, 0, 0}
+---@field center? vector  of the light; mm; default {0, 0, 0}
 ---@field axis? vector  of the cap, pointing to the filament; default {0, 0, 1}
 ---@field filament_axis? vector  default {1, 0, 0}
 ---@field filament? "major"|"minor"  default "major"
----@field flux? number  lm, above 0; default: the category's
----@field spectrum? Spectrum  default: the category's
----@field samples? integer  default 100000
----@field seed? integer  0 to 2^53
+---@field flux? number  above 0 lm; default the category's
+---@field spectrum? Spectrum|number  default the category's
+---@field samples? integer  rays; 1 to 100000000; default 100000
+---@field seed? integer  of the samples; 0 to 9007199254740992; default 1
 
 ---A bulb by its UN R37 category.
 ---@param category "P21W"|"PY21W"|"P21/5W"|"PY21/5W"|"W5W"
@@ -336,7 +340,7 @@ function Rayset:noise(options) end
 
 ---@class SceneOptions
 ---@field objects Object[]
----@field lights? Rayset[]  default none
+---@field lights? Rayset[]  default {}
 ---@field background? Spectrum|number  0 or more; default 0
 ---@field ambient? Spectrum|number  0 or more; default 0
 ---@field photometry? "relative"|"absolute"  default "relative"
@@ -350,13 +354,13 @@ local Scene = {}
 function lampyris.scene(options) end
 
 ---@class ViewOptions
----@field azimuth? number  degrees to the right, −360 to 360; default 0
----@field elevation? number  degrees up, −90 to 90; default 0
----@field distance? number  mm from eye to target, above 0; default 3000
+---@field azimuth? number  to the right; -360 to 360 degrees; default 0
+---@field elevation? number  up; -90 to 90 degrees; default 0
+---@field distance? number  from eye to target; above 0 mm; default 3000
 ---@field target? vector  mm; default {0, 0, 0}
----@field fov? number  full vertical angle, degrees, between 0 and 180; default 6
----@field width? integer  pixels; default 640
----@field height? integer  pixels; default 480
+---@field fov? number  full vertical angle; between 0 and 180 degrees; default 6
+---@field width? integer  1 to 65536 pixels; default 640
+---@field height? integer  1 to 65536 pixels; default 480
 
 ---@class View: ViewOptions
 

@@ -12,6 +12,7 @@ const OPTIONS: &[[&str; 2]] = &[
     ["MeshLoadOptions", "L.mesh.load('x.obj', X)"],
     ["MeshNewOptions", "L.mesh.new(X)"],
     ["MeshSurfaceOptions", "L.mesh.surface(X)"],
+    ["SectionOptions", "mesh:section(X)"],
     ["Transform", "mesh:transform(X)"],
     ["Rotation", "mesh:transform { rotate = X }"],
     ["MaterialOptions", "L.material(X)"],

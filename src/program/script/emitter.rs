@@ -4,13 +4,16 @@ use std::sync::Arc;
 
 use mlua::{Lua, Table};
 
-use super::light::{FLUX, LuaLight, MAX_SAMPLES, required_spectrum, seed};
-use super::options::{Arguments, Options, Range};
+use super::kinds::{Choice, Kind, Number, SpectrumOrNumber, Vector};
+use super::light::{FLUX, LuaLight, SEED, samples};
+use super::options::{Arguments, Range};
+use super::record::options;
 use super::{fault, host};
 use crate::geometry::DVec3;
 use crate::light::RaySet;
 use crate::source::bulb::{Bulb, Function, Socket};
 use crate::source::{Coil, Cylinder, Filament};
+use crate::spectrum::Spectrum;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     module.set("bulb", fault::function(lua, |lua, a| bulb(lua, Arguments::new("bulb", a, 2)?))?)?;
@@ -24,75 +27,105 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     )
 }
 
-fn samples(options: &Options, default: u64) -> mlua::Result<usize> {
-    Ok(options.count("samples", 1, MAX_SAMPLES)?.unwrap_or(default) as usize)
+options! {
+    /// The comparison source of Fig. 8.
+    struct CylinderOptions {
+        radius: f64 = MM,
+        length: f64 = MM,
+        flux: f64 = Number(FLUX),
+        spectrum: Spectrum = SpectrumOrNumber::of_light(),
+        center: DVec3 = Vector("mm").or(DVec3::ZERO),
+        axis: DVec3 = Vector("").or(DVec3::X),
+        /// rays
+        samples: usize = samples(10_000),
+        /// of the samples
+        seed: u64 = SEED,
+    }
 }
 
+options! {
+    /// A coiled filament.
+    struct FilamentOptions {
+        wire_radius: f64 = MM,
+        coil_radius: f64 = MM,
+        /// of one turn
+        pitch: f64 = MM,
+        turns: f64 = Number(Range::above_zero("")),
+        flux: f64 = Number(FLUX),
+        spectrum: Spectrum = SpectrumOrNumber::of_light(),
+        center: DVec3 = Vector("mm").or(DVec3::ZERO),
+        axis: DVec3 = Vector("").or(DVec3::X),
+        /// rays
+        samples: usize = samples(100_000),
+        /// of the samples
+        seed: u64 = SEED,
+    }
+}
+
+const MM: Number = Number(Range::above_zero("mm"));
+
 fn cylinder(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
-    let keys = ["axis", "center", "flux", "length", "radius", "samples", "seed", "spectrum"];
-    let options = arguments.options(&keys)?;
+    let given: CylinderOptions = arguments.record()?;
+    host::of(lua)?.note_seed("cylinder", given.seed);
     let cylinder = Cylinder {
-        center: options.vector("center")?.unwrap_or(DVec3::ZERO),
-        axis: options.vector("axis")?.unwrap_or(DVec3::X),
-        radius_mm: options.required_number("radius", Range::above_zero("mm"))?,
-        length_mm: options.required_number("length", Range::above_zero("mm"))?,
-        flux_lm: options.required_number("flux", FLUX)?,
-        samples: samples(&options, 10_000)?,
-        seed: seed(&host::of(lua)?, &options)?,
+        center: given.center,
+        axis: given.axis,
+        radius_mm: given.radius,
+        length_mm: given.length,
+        flux_lm: given.flux,
+        samples: given.samples,
+        seed: given.seed,
     };
-    let spectrum = Arc::new(required_spectrum(&options)?);
-    Ok(LuaLight { rays: cylinder.rayset()?, spectrum })
+    Ok(LuaLight { rays: cylinder.rayset()?, spectrum: Arc::new(given.spectrum) })
 }
 
 fn filament(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
-    let keys = [
-        "axis",
-        "center",
-        "coil_radius",
-        "flux",
-        "pitch",
-        "samples",
-        "seed",
-        "spectrum",
-        "turns",
-        "wire_radius",
-    ];
-    let options = arguments.options(&keys)?;
-    let mm = Range::above_zero("mm");
+    let given: FilamentOptions = arguments.record()?;
+    host::of(lua)?.note_seed("filament", given.seed);
     let filament = Filament {
         coil: Coil {
-            wire_radius_mm: options.required_number("wire_radius", mm)?,
-            turns: options.required_number("turns", Range::above_zero(""))?,
-            pitch_mm: options.required_number("pitch", mm)?,
-            coil_radius_mm: options.required_number("coil_radius", mm)?,
+            wire_radius_mm: given.wire_radius,
+            turns: given.turns,
+            pitch_mm: given.pitch,
+            coil_radius_mm: given.coil_radius,
         },
-        center: options.vector("center")?.unwrap_or(DVec3::ZERO),
-        axis: options.vector("axis")?.unwrap_or(DVec3::X),
-        flux_lm: options.required_number("flux", FLUX)?,
-        samples: samples(&options, 100_000)?,
-        seed: seed(&host::of(lua)?, &options)?,
+        center: given.center,
+        axis: given.axis,
+        flux_lm: given.flux,
+        samples: given.samples,
+        seed: given.seed,
     };
-    let spectrum = Arc::new(required_spectrum(&options)?);
-    Ok(LuaLight { rays: filament.rayset()?, spectrum })
+    Ok(LuaLight { rays: filament.rayset()?, spectrum: Arc::new(given.spectrum) })
+}
+
+options! {
+    /// A bulb by its UN R37 category.
+    struct BulbOptions {
+        /// of the light
+        center: DVec3 = Vector("mm").or(DVec3::ZERO),
+        /// of the cap, pointing to the filament
+        axis: DVec3 = Vector("").or(DVec3::Z),
+        filament_axis: DVec3 = Vector("").or(DVec3::X),
+        filament: Function = Choice(&[("major", Function::Major), ("minor", Function::Minor)])
+            .or(Function::Major),
+        flux: Option<f64> = Number(FLUX).optional("the category's"),
+        spectrum: Option<Spectrum> = SpectrumOrNumber::of_light().optional("the category's"),
+        /// rays
+        samples: usize = samples(100_000),
+        /// of the samples
+        seed: u64 = SEED,
+    }
 }
 
 /// A bulb by its UN R37 category; the light center is at the origin unless placed.
 fn bulb(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let category = arguments.text("category")?;
-    let keys =
-        ["axis", "center", "filament", "filament_axis", "flux", "samples", "seed", "spectrum"];
-    let options = arguments.options(&keys)?;
-    let functions = [("major", Function::Major), ("minor", Function::Minor)];
-    let function = options.choice("filament", &functions)?.unwrap_or(Function::Major);
-    let bulb = Bulb::find(&category, function)?;
-    let socket = Socket {
-        center: options.vector("center")?.unwrap_or(DVec3::ZERO),
-        axis: options.vector("axis")?.unwrap_or(DVec3::Z),
-        filament_axis: options.vector("filament_axis")?.unwrap_or(DVec3::X),
-    };
-    let rays =
-        bulb.rayset(&socket, samples(&options, 100_000)?, seed(&host::of(lua)?, &options)?)?;
-    let flux_lm = options.number_or("flux", FLUX, rays.flux_lm)?;
-    let spectrum = options.spectrum("spectrum")?.unwrap_or_else(|| bulb.spectrum());
+    let given: BulbOptions = arguments.record()?;
+    let bulb = Bulb::find(&category, given.filament)?;
+    host::of(lua)?.note_seed("bulb", given.seed);
+    let BulbOptions { center, axis, filament_axis, .. } = given;
+    let rays = bulb.rayset(&Socket { center, axis, filament_axis }, given.samples, given.seed)?;
+    let flux_lm = given.flux.unwrap_or(rays.flux_lm);
+    let spectrum = given.spectrum.unwrap_or_else(|| bulb.spectrum());
     Ok(LuaLight { rays: RaySet { flux_lm, ..rays }, spectrum: Arc::new(spectrum) })
 }

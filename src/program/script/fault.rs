@@ -178,10 +178,10 @@ pub(super) fn method<T: 'static, R: IntoLuaMulti>(
 pub(super) fn refuse_unknown_fields<T: 'static>(
     methods: &mut impl mlua::UserDataMethods<T>,
     object: &'static str,
-    names: &'static [&'static str],
+    names: impl AsRef<[&'static str]> + Send + 'static,
 ) {
     methods.add_meta_method(mlua::MetaMethod::Index, move |lua, _, key: Value| {
-        let error = unknown_key(object, &key_text(&key), names);
+        let error = unknown_key(object, &key_text(&key), names.as_ref());
         Err::<Value, _>(located(lua, error.into()))
     });
 }

@@ -6,6 +6,7 @@ use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Va
 
 use super::host::Host;
 use super::image::LuaImage;
+use super::kinds::{Count, Kind, Or};
 use super::mesh::placement;
 use super::options::{self, Arguments, Options, Range};
 use super::spectrum::LuaSpectrum;
@@ -80,10 +81,19 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     placed(LuaLight { rays, spectrum: Arc::new(spectrum) }, options.value("transform")?)
 }
 
+/// Every whole number up to here is a number of Lua's.
+const LAST: u64 = 1 << 53;
+/// Draws repeat: the same seed gives the same samples. Manifests name it.
+pub(super) const SEED: Or<Count<u64>> =
+    Or { kind: Count::new(0, LAST), default: thinning::DEFAULT_SEED };
+
+/// How many rays a source is sampled by.
+pub(super) fn samples(default: usize) -> Or<Count<usize>> {
+    Count::new(1, MAX_SAMPLES).or(default)
+}
+
 /// Draws repeat: the same seed gives the same samples. Manifests name it.
 pub(super) fn seed(host: &Host, options: &Options) -> mlua::Result<u64> {
-    /// Every whole number up to here is a number of Lua's.
-    const LAST: u64 = 1 << 53;
     let seed = options.count("seed", 0, LAST)?.unwrap_or(thinning::DEFAULT_SEED);
     host.note_seed(options.object(), seed);
     Ok(seed)

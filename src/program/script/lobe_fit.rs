@@ -1,16 +1,42 @@
 //! `lampyris.fit_lobe`.
 
-use mlua::{Lua, Table, Value};
+use mlua::{Lua, Table};
 
 use super::figure::LuaFigure;
-use super::options::{self, Arguments, Options, Range};
+use super::kinds::{Choice, Count, Kind, List, Naming, Numbers, Text, missing, numbers};
+use super::options::{Arguments, Range};
+use super::record::options;
+use super::spectrum::COLUMN;
 use super::{fault, host};
 use crate::columns;
-use crate::error::Error;
 use crate::material::{LobeCount, LobeFit, LobeSpace, LobeTable, fit_lobe};
 use crate::program::figure::{Axis, Chart, Panel, Series};
 
-const KEYS: [&str; 7] = ["column", "file", "lobes", "points", "range", "space", "weights"];
+options! {
+    struct LobeFitOptions {
+        /// {{angle, value}, …}, degrees from the lobe's direction
+        points: Option<Vec<[f64; 2]>> = List {
+            entry: Numbers { range: Range::ANY, expected: "{angle, value}" },
+            expected: "a list of {angle, value}, or \"file\"",
+            naming: Naming::Row,
+        }.optional(""),
+        /// instead of points: a CSV file of angle and value
+        file: Option<String> = Text("a file").optional(""),
+        /// of the values in the file
+        column: usize = COLUMN,
+        /// {from, to}
+        range: [f64; 2] = Numbers {
+            range: Range::new(0.0, 90.0, "degrees"),
+            expected: "{from, to} in degrees",
+        }.or([0.0, 90.0]),
+        /// one for each point
+        weights: Option<Vec<f64>> = numbers(Range::NOT_NEGATIVE).optional("1"),
+        lobes: u32 = Count::new(1, 2).or(1),
+        /// what least squares are taken of
+        space: LobeSpace = Choice(&[("linear", LobeSpace::Linear), ("log", LobeSpace::Log)])
+            .or(LobeSpace::Linear),
+    }
+}
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     module.set(
@@ -20,59 +46,24 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
 }
 
 fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
-    let options = arguments.options(&KEYS)?;
-    let points = points(lua, &options)?;
-    let weights = match options.list("weights", "a list of numbers")? {
-        None => None,
-        Some(list) => Some(numbers(&options, "weights", &list, Range::NOT_NEGATIVE)?),
-    };
-    let range_deg = match options.list("range", "{from, to} in degrees")? {
-        None => [0.0, 90.0],
-        Some(list) => {
-            let ends = numbers(&options, "range", &list, Range::new(0.0, 90.0, "degrees"))?;
-            <[f64; 2]>::try_from(ends).map_err(|ends| {
-                let problem =
-                    format!("\"range\" has {} entries, expected {{from, to}}", ends.len());
-                Error::inconsistent(options.object(), problem)
-            })?
-        }
-    };
-    let count = match options.count("lobes", 1, 2)? {
-        Some(2) => LobeCount::Two,
-        _ => LobeCount::One,
-    };
-    let spaces = [("linear", LobeSpace::Linear), ("log", LobeSpace::Log)];
-    let space = options.choice("space", &spaces)?.unwrap_or_default();
-    let table = LobeTable { points: &points, weights: weights.as_deref(), range_deg };
-    let fit = fit_lobe(&table, count, space)?;
-    let plot = LuaFigure::of_panel(Panel::Chart(chart(&points, &fit, space)));
+    let given: LobeFitOptions = arguments.record()?;
+    let points = points(lua, &given)?;
+    let count = if given.lobes == 2 { LobeCount::Two } else { LobeCount::One };
+    let weights = given.weights.as_deref();
+    let table = LobeTable { points: &points, weights, range_deg: given.range };
+    let fit = fit_lobe(&table, count, given.space)?;
+    let plot = LuaFigure::of_panel(Panel::Chart(chart(&points, &fit, given.space)));
     result(lua, fit, plot)
 }
 
 /// `points = {{angle, value}, …}`, or two columns of `file`.
-fn points(lua: &Lua, options: &Options) -> mlua::Result<Vec<(f64, f64)>> {
-    const EXPECTED: &str = "a list of {angle, value}, or \"file\"";
-    if let Some(path) = options.text("file")? {
-        let column = options.count("column", 2, 1000)?.unwrap_or(2) as usize;
-        return Ok(columns::read(&host::of(lua)?.input(&path)?, column)?.rows);
+fn points(lua: &Lua, given: &LobeFitOptions) -> mlua::Result<Vec<(f64, f64)>> {
+    if let Some(path) = &given.file {
+        return Ok(columns::read(&host::of(lua)?.input(path)?, given.column)?.rows);
     }
-    let rows = options.required_list("points", EXPECTED)?;
-    let point = |(at, row): (usize, &Value)| {
-        let what = format!("\"points\" row {}", at + 1);
-        let cells = options::list(options.object(), &what, row, "{angle, value}")?;
-        let [angle, value] = cells.as_slice() else {
-            let problem = format!("{what} has {} entries, expected {{angle, value}}", cells.len());
-            return Err(Error::inconsistent(options.object(), problem).into());
-        };
-        let number = |value: &Value| options::number(options.object(), &what, value, Range::ANY);
-        Ok((number(angle)?, number(value)?))
-    };
-    rows.iter().enumerate().map(point).collect()
-}
-
-fn numbers(options: &Options, key: &str, list: &[Value], range: Range) -> mlua::Result<Vec<f64>> {
-    let what = format!("\"{key}\"");
-    list.iter().map(|value| options::number(options.object(), &what, value, range)).collect()
+    let expected = "a list of {angle, value}, or \"file\"";
+    let points = given.points.as_ref().ok_or_else(|| missing("fit_lobe", "points", expected))?;
+    Ok(points.iter().map(|&[angle, value]| (angle, value)).collect())
 }
 
 /// The first lobe's figures at the top, all of them under `lobes`, `eval` of the sum, and `plot`.

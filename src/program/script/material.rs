@@ -5,7 +5,9 @@ use std::sync::Arc;
 use mlua::{IntoLua, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
 use super::fault;
-use super::options::{self, Arguments, Options, Range};
+use super::kinds::{Kind, Number, Or, SpectrumOrNumber, Text};
+use super::options::{self, Arguments, Range};
+use super::record::options;
 use crate::error::Error;
 use crate::material::{EXPONENT_RANGE, Lobes, Material, SpecularLobe};
 use crate::spectrum::Spectrum;
@@ -14,21 +16,35 @@ use crate::spectrum::Spectrum;
 #[derive(Debug, Clone)]
 pub struct LuaMaterial(pub Arc<Material>);
 
-const KEYS: [&str; 12] = [
-    "name",
-    "reflectance",
-    "transmittance",
-    "thickness",
-    "ior",
-    "k_d",
-    "k_s",
-    "n_d",
-    "n_s",
-    "k_rg",
-    "k_tg",
-    "k_a",
-];
+options! {
+    struct MaterialOptions {
+        /// for messages
+        name: Option<String> = Text("a name").optional(""),
+        /// F_r
+        reflectance: Spectrum = SpectrumOrNumber::new("0 to 1").or(Spectrum::constant(0.0)),
+        /// F_t
+        transmittance: Option<Spectrum> = SpectrumOrNumber::new("0 to 1").optional("none: opaque"),
+        /// F_t is the internal transmittance of this thickness
+        thickness: Option<f64> = Number(Range::above_zero("mm")).optional("none: F_t at every interface crossed"),
+        ior: Option<f64> = Number(Range::new(1.0, 4.0, "")).optional("none: rays go straight through"),
+        /// proportion of the diffuse lobe
+        k_d: f64 = SHARE,
+        /// its exponent; 1 is Lambert's
+        n_d: f64 = Number(EXPONENT).or(1.0),
+        /// proportion of the specular lobe, or of several
+        k_s: Vec<f64> = OneOrMore(Number(Range::RATIO)).or(vec![0.0]),
+        /// its exponent
+        n_s: Vec<f64> = OneOrMore(Number(EXPONENT)).or(vec![1.0]),
+        /// proportion of the mirrored ray
+        k_rg: f64 = SHARE,
+        /// proportion of the transmitted ray
+        k_tg: f64 = SHARE,
+        /// proportion of the ambient light
+        k_a: f64 = SHARE,
+    }
+}
 
+const SHARE: Or<Number> = Or { kind: Number(Range::RATIO), default: 0.0 };
 const EXPONENT: Range = Range::new(EXPONENT_RANGE[0], EXPONENT_RANGE[1], "");
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
@@ -37,23 +53,18 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
 }
 
 fn material(mut arguments: Arguments) -> mlua::Result<LuaMaterial> {
-    let options = arguments.options(&KEYS)?;
+    let given: MaterialOptions = arguments.record()?;
+    let specular = specular_lobes(&given)?;
     let material = Material {
-        name: options
-            .text("name")?
-            .map_or_else(|| "material".to_owned(), |n| format!("material \"{n}\"")),
-        reflectance: options.spectrum("reflectance")?.unwrap_or_else(|| Spectrum::constant(0.0)),
-        transmittance: options.spectrum("transmittance")?,
-        thickness_mm: options.number("thickness", Range::above_zero("mm"))?,
-        ior: options.number("ior", Range::new(1.0, 4.0, ""))?,
-        lobes: Lobes {
-            k_d: options.number_or("k_d", Range::RATIO, 0.0)?,
-            n_d: options.number_or("n_d", EXPONENT, 1.0)?,
-            specular: specular_lobes(&options)?,
-        },
-        k_rg: options.number_or("k_rg", Range::RATIO, 0.0)?,
-        k_tg: options.number_or("k_tg", Range::RATIO, 0.0)?,
-        k_a: options.number_or("k_a", Range::RATIO, 0.0)?,
+        name: given.name.map_or_else(|| "material".to_owned(), |n| format!("material \"{n}\"")),
+        reflectance: given.reflectance,
+        transmittance: given.transmittance,
+        thickness_mm: given.thickness,
+        ior: given.ior,
+        lobes: Lobes { k_d: given.k_d, n_d: given.n_d, specular },
+        k_rg: given.k_rg,
+        k_tg: given.k_tg,
+        k_a: given.k_a,
     };
     if material.thickness_mm.is_some() && material.transmittance.is_none() {
         let problem = "\"thickness\" without \"transmittance\", whose thickness it would be";
@@ -64,31 +75,49 @@ fn material(mut arguments: Arguments) -> mlua::Result<LuaMaterial> {
 }
 
 /// `k_s` and `n_s` as numbers, or as lists of the same length.
-fn specular_lobes(options: &Options) -> mlua::Result<Vec<SpecularLobe>> {
-    let shares = numbers(options, "k_s", Range::RATIO)?.unwrap_or_else(|| vec![0.0]);
-    let exponents = numbers(options, "n_s", EXPONENT)?.unwrap_or_else(|| vec![1.0]);
+fn specular_lobes(given: &MaterialOptions) -> mlua::Result<Vec<SpecularLobe>> {
+    let (shares, exponents) = (&given.k_s, &given.n_s);
     if shares.len() != exponents.len() {
         let problem = format!(
             "\"k_s\" has {} values and \"n_s\" has {}, expected as many of each",
             shares.len(),
             exponents.len()
         );
-        return Err(Error::inconsistent(options.object(), problem).into());
+        return Err(Error::inconsistent("material", problem).into());
     }
-    let lobes = shares.into_iter().zip(exponents).map(|(k_s, n_s)| SpecularLobe { k_s, n_s });
+    let lobes = shares.iter().zip(exponents).map(|(&k_s, &n_s)| SpecularLobe { k_s, n_s });
     Ok(lobes.filter(|lobe| lobe.k_s > 0.0).collect())
 }
 
-fn numbers(options: &Options, key: &str, range: Range) -> mlua::Result<Option<Vec<f64>>> {
-    match options.value(key)? {
-        Value::Table(_) => {
-            let list = options.required_list(key, "a number or a list of numbers")?;
-            let what = format!("\"{key}\"");
-            let numbers =
-                list.iter().map(|value| options::number(options.object(), &what, value, range));
-            numbers.collect::<mlua::Result<Vec<f64>>>().map(Some)
+/// A number, or a list of them.
+struct OneOrMore(Number);
+
+impl Kind for OneOrMore {
+    type Read = Vec<f64>;
+
+    fn read(&self, object: &str, what: &str, value: &Value) -> mlua::Result<Vec<f64>> {
+        if !value.is_table() {
+            return Ok(vec![self.0.read(object, what, value)?]);
         }
-        _ => Ok(options.number(key, range)?.map(|number| vec![number])),
+        options::each(object, what, value, "a number or a list of numbers", |_, entry| {
+            self.0.read(object, what, entry)
+        })
+    }
+
+    fn lua_type(&self) -> String {
+        "number|number[]".to_owned()
+    }
+
+    fn expected(&self) -> String {
+        self.0.expected()
+    }
+
+    fn allowed(&self) -> String {
+        self.0.allowed()
+    }
+
+    fn shown(&self, value: &Vec<f64>) -> String {
+        value.iter().map(f64::to_string).collect()
     }
 }
 

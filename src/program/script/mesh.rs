@@ -5,7 +5,11 @@ use std::sync::Arc;
 use glam::DQuat;
 use mlua::{Function, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
-use super::options::{self, Arguments, Options, Range};
+use super::kinds::{
+    Callback, Count, Flag, Kind, List, Naming, Nested, Number, Numbers, Or, Text, Vector, vectors,
+};
+use super::options::{self, Arguments, Range};
+use super::record::{Record, options};
 use super::{fault, host};
 use crate::error::Error;
 use crate::geometry::mesh::{Placement, Shading};
@@ -42,13 +46,23 @@ fn new_handle(mesh: Mesh, smooth: bool) -> LuaMesh {
     LuaMesh(Arc::new(if smooth { mesh } else { mesh.into_flat() }))
 }
 
+options! {
+    struct MeshLoadOptions {
+        /// interpolated normals (eq. 3)
+        smooth: bool = Flag.or(true),
+        scale: f64 = SCALE,
+        /// only this group of the file
+        group: Option<String> = Text("a group of the file").optional("all"),
+    }
+}
+
+const SCALE: Or<Number> = Or { kind: Number(Range::above_zero("")), default: 1.0 };
+
 fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let path = arguments.text("path")?;
-    let options = arguments.options(&["group", "scale", "smooth"])?;
-    let scale = options.number_or("scale", Range::above_zero(""), 1.0)?;
-    let smooth = options.flag("smooth", true)?;
+    let MeshLoadOptions { smooth, scale, group } = arguments.record()?;
     let path = host::of(lua)?.input(&path)?;
-    let mesh = obj::load(&path, options.text("group")?.as_deref())?;
+    let mesh = obj::load(&path, group.as_deref())?;
     let placed = if scale == 1.0 {
         mesh
     } else {
@@ -57,13 +71,28 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     Ok(new_handle(placed, smooth))
 }
 
+options! {
+    struct MeshNewOptions {
+        positions: Vec<DVec3> = vectors("mm"),
+        /// {{i, j, k}, …}, 1-based, counter-clockwise from the front
+        triangles: Vec<[f64; 3]> = List {
+            entry: Numbers { range: Range::ANY, expected: "{i, j, k}" },
+            expected: "a list of {i, j, k}",
+            naming: Naming::Entry,
+        },
+        /// one for each position
+        normals: Option<Vec<DVec3>> = vectors("").optional("means of the adjoining faces' normals"),
+        smooth: bool = Flag.or(true),
+    }
+}
+
 fn from_tables(mut arguments: Arguments) -> mlua::Result<LuaMesh> {
-    let options = arguments.options(&["normals", "positions", "smooth", "triangles"])?;
-    let positions = options.required_vectors("positions")?;
-    let triangles = triangles(&options, positions.len())?;
-    let smooth = options.flag("smooth", true)?;
-    let mesh = Mesh::smooth(options.object(), positions, triangles)?;
-    let Some(normals) = options.vectors("normals")? else {
+    const OBJECT: &str = "mesh.new";
+    let MeshNewOptions { positions, triangles, normals, smooth } = arguments.record()?;
+    let triangles = (1..).zip(&triangles).map(|row| triangle(OBJECT, row, positions.len()));
+    let triangles = triangles.collect::<mlua::Result<_>>()?;
+    let mesh = Mesh::smooth(OBJECT, positions, triangles)?;
+    let Some(normals) = normals else {
         return Ok(new_handle(mesh, smooth));
     };
     if normals.len() != mesh.positions.len() {
@@ -72,63 +101,73 @@ fn from_tables(mut arguments: Arguments) -> mlua::Result<LuaMesh> {
             normals.len(),
             mesh.positions.len()
         );
-        return Err(Error::inconsistent(options.object(), problem).into());
+        return Err(Error::inconsistent(OBJECT, problem).into());
     }
     let unit = normals.iter().map(|n| n.try_normalize().unwrap_or(DVec3::ZERO)).collect();
     Ok(new_handle(Mesh { shading: Shading::PerPosition(unit), ..mesh }, smooth))
 }
 
-fn triangles(options: &Options, positions: usize) -> mlua::Result<Vec<[u32; 3]>> {
-    const EXPECTED: &str = "a list of {i, j, k}";
-    let entry = |what: &str, value: &Value| -> mlua::Result<[u32; 3]> {
-        let corners = options::list(options.object(), what, value, "{i, j, k}")?;
-        let [a, b, c] = corners.as_slice() else {
-            let problem = format!("{what} has {} entries, expected {{i, j, k}}", corners.len());
-            return Err(Error::inconsistent(options.object(), problem).into());
-        };
-        let index = |value: &Value| {
-            options::count(options.object(), what, value, 1, positions as u64)
-                .map(|i| (i - 1) as u32)
-        };
-        Ok([index(a)?, index(b)?, index(c)?])
+/// Three positions by their numbers, from 1.
+fn triangle(
+    object: &str,
+    (row, corners): (usize, &[f64; 3]),
+    positions: usize,
+) -> mlua::Result<[u32; 3]> {
+    let what = format!("\"triangles\" entry {row}");
+    let index = |number: f64| {
+        options::whole(object, &what, number, 1, positions as u64).map(|i| (i - 1) as u32)
     };
-    options.required_list_of("triangles", EXPECTED, entry)
+    let [a, b, c] = *corners;
+    Ok([index(a)?, index(b)?, index(c)?])
+}
+
+options! {
+    struct MeshSurfaceOptions {
+        /// u, v from 0 to 1; x, y, z in mm
+        point: Function = Callback {
+            lua_type: "fun(u: number, v: number): number, number, number",
+            expected: "a function of u, v that returns x, y, z",
+        },
+        keep: Option<Function> = Callback {
+            lua_type: "fun(x: number, y: number, z: number): boolean",
+            expected: "a function of x, y, z that returns true or false",
+        }.optional("everything"),
+        /// along u
+        nu: usize = Count::new(1, MAX_CELLS).of("cells").or(100),
+        /// along v
+        nv: usize = Count::new(1, MAX_CELLS).of("cells").or(100),
+        smooth: bool = Flag.or(true),
+    }
 }
 
 fn surface(mut arguments: Arguments) -> mlua::Result<LuaMesh> {
-    let options = arguments.options(&["keep", "nu", "nv", "point", "smooth"])?;
-    let cells =
-        |key, default| options.count(key, 1, MAX_CELLS).map(|n| n.unwrap_or(default) as usize);
-    let (nu, nv) = (cells("nu", 100)?, cells("nv", 100)?);
-    let point = options.required_function("point", "a function of u, v that returns x, y, z")?;
-    let keep = options.function("keep")?;
+    let given: MeshSurfaceOptions = arguments.record()?;
+    let MeshSurfaceOptions { nu, nv, .. } = given;
     let mut points = Vec::with_capacity((nu + 1) * (nv + 1));
     for j in 0..=nv {
         for i in 0..=nu {
-            let place = [i as f64 / nu as f64, j as f64 / nv as f64];
-            points.push(surface_point(&options, &point, keep.as_ref(), place)?);
+            points.push(given.at([i as f64 / nu as f64, j as f64 / nv as f64])?);
         }
     }
-    let mesh = Mesh::from_grid(options.object(), nu, nv, &points)?;
-    Ok(new_handle(mesh, options.flag("smooth", true)?))
+    let mesh = Mesh::from_grid(SURFACE, nu, nv, &points)?;
+    Ok(new_handle(mesh, given.smooth))
 }
 
-/// The surface at (u, v), or `None` where it is not to be kept.
-fn surface_point(
-    options: &Options,
-    point: &Function,
-    keep: Option<&Function>,
-    [u, v]: [f64; 2],
-) -> mlua::Result<Option<DVec3>> {
-    let (x, y, z): (Value, Value, Value) = point.call((u, v))?;
-    let part = |value: &Value| {
-        let what = format!("\"point\" at u = {u}, v = {v}");
-        options::number(options.object(), &what, value, Range::ANY)
-    };
-    let position = DVec3::new(part(&x)?, part(&y)?, part(&z)?);
-    match keep {
-        Some(keep) if !keep.call::<bool>((position.x, position.y, position.z))? => Ok(None),
-        _ => Ok(Some(position)),
+const SURFACE: &str = "mesh.surface";
+
+impl MeshSurfaceOptions {
+    /// The surface at (u, v), or `None` where it is not to be kept.
+    fn at(&self, [u, v]: [f64; 2]) -> mlua::Result<Option<DVec3>> {
+        let (x, y, z): (Value, Value, Value) = self.point.call((u, v))?;
+        let part = |value: &Value| {
+            let what = format!("\"point\" at u = {u}, v = {v}");
+            options::number(SURFACE, &what, value, Range::ANY)
+        };
+        let position = DVec3::new(part(&x)?, part(&y)?, part(&z)?);
+        match &self.keep {
+            Some(keep) if !keep.call::<bool>((position.x, position.y, position.z))? => Ok(None),
+            _ => Ok(Some(position)),
+        }
     }
 }
 
@@ -142,40 +181,60 @@ fn merge(mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     Ok(LuaMesh(Arc::new(Mesh::merged(OBJECT, &meshes)?)))
 }
 
-/// `translate`, `rotate = {axis =, angle =}` and `scale` of a transform.
-pub(super) fn placement(object: &str, value: Value) -> mlua::Result<Placement> {
-    let options = Options::new(object, value, &["rotate", "scale", "translate"])?;
-    let rotation = match options.value("rotate")? {
-        Value::Nil => DQuat::IDENTITY,
-        value => rotation(&format!("{object}: rotate"), value)?,
-    };
-    Ok(Placement {
-        scale: options.number_or("scale", Range::above_zero(""), 1.0)?,
-        rotation,
-        translation: options.vector("translate")?.unwrap_or(DVec3::ZERO),
-    })
-}
-
-fn rotation(object: &str, value: Value) -> mlua::Result<DQuat> {
-    let options = Options::new(object, value, &["angle", "axis"])?;
-    let axis = options.vector("axis")?.unwrap_or(DVec3::Y);
-    let angle_deg = options.required_number("angle", Range::ANY)?;
-    match axis.try_normalize() {
-        Some(axis) => Ok(DQuat::from_axis_angle(axis, angle_deg.to_radians())),
-        None => Err(Error::out_of_range(object, "\"axis\"", axis, "any direction").into()),
+options! {
+    /// Scaled, then turned, then moved.
+    struct Transform {
+        translate: DVec3 = Vector("mm").or(DVec3::ZERO),
+        rotate: Option<Rotation> = Nested::<Rotation>::new().optional(""),
+        scale: f64 = SCALE,
     }
 }
 
-/// The segments in which the plane `{normal = {1, 0, 0}, through = {0, 0, 0}}` cuts a mesh.
+options! {
+    struct Rotation {
+        axis: DVec3 = Vector("").or(DVec3::Y),
+        /// degrees, right-handed
+        angle: f64 = Number(Range::ANY),
+    }
+}
+
+/// Where a table puts a mesh or rays.
+pub(super) fn placement(object: &str, value: Value) -> mlua::Result<Placement> {
+    Transform::read(object, value)?.placement(object)
+}
+
+impl Transform {
+    pub(super) fn placement(&self, object: &str) -> mlua::Result<Placement> {
+        let rotation = match &self.rotate {
+            None => DQuat::IDENTITY,
+            Some(Rotation { axis, angle }) => {
+                let axis = direction(&format!("{object}: rotate"), "axis", *axis)?;
+                DQuat::from_axis_angle(axis, angle.to_radians())
+            }
+        };
+        Ok(Placement { scale: self.scale, rotation, translation: self.translate })
+    }
+}
+
+/// Of length 1.
+fn direction(object: &str, key: &str, vector: DVec3) -> mlua::Result<DVec3> {
+    vector.try_normalize().ok_or_else(|| {
+        Error::out_of_range(object, &format!("\"{key}\""), vector, "any direction").into()
+    })
+}
+
+options! {
+    struct SectionOptions {
+        through: DVec3 = Vector("mm").or(DVec3::ZERO),
+        normal: DVec3 = Vector("").or(DVec3::X),
+    }
+}
+
+/// The segments in which a plane cuts a mesh.
 fn section(mesh: &Mesh, mut arguments: Arguments) -> mlua::Result<Vec<[[f64; 3]; 2]>> {
-    let options = arguments.options(&["normal", "through"])?;
-    let normal = options.vector("normal")?.unwrap_or(DVec3::X);
-    let Some(normal) = normal.try_normalize() else {
-        let object = options.object();
-        return Err(Error::out_of_range(object, "\"normal\"", normal, "any direction").into());
-    };
-    let point = options.vector("through")?.unwrap_or(DVec3::ZERO);
-    let segments = mesh.section(&Plane { point, normal });
+    let SectionOptions { through, normal } = arguments.record()?;
+    let plane = Plane { point: through, normal: direction("mesh:section", "normal", normal)? };
+    let segments = mesh.section(&plane);
     Ok(segments.into_iter().map(|ends| ends.map(|end| end.to_array())).collect())
 }
 

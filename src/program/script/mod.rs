@@ -3,9 +3,12 @@
 //! Bindings turn Lua values into the plain types of the other modules, call one function, and hand
 //! back an immutable handle. They are the only place that knows Lua.
 
+mod annotations;
 mod fault;
 mod host;
+mod kinds;
 mod options;
+mod record;
 mod repl;
 mod sandbox;
 mod starter;
@@ -34,6 +37,7 @@ use std::path::Path;
 
 use mlua::{Lua, Table};
 
+pub use annotations::describe_options;
 pub use fault::ScriptFault;
 pub use host::{Host, Settings};
 pub use repl::repl;

@@ -7,6 +7,8 @@ use glam::DVec3;
 use mlua::{AnyUserData, MultiValue, Table, UserData, Value};
 
 use super::fault::{key_text, unknown_key};
+use super::kinds::Kind;
+use super::record::Record;
 use super::spectrum::LuaSpectrum;
 use crate::error::Error;
 use crate::spectrum::Spectrum;
@@ -45,6 +47,15 @@ impl Range {
         Self { min, max, unit, ends: Ends::Excluded }
     }
 
+    /// For people to read; empty where every number is allowed.
+    pub(super) fn in_words(&self) -> String {
+        if self.min.is_finite() || self.max.is_finite() {
+            self.to_string()
+        } else {
+            self.unit.to_owned()
+        }
+    }
+
     fn contains(&self, value: f64) -> bool {
         let above = if self.ends == Ends::Included { value >= self.min } else { value > self.min };
         let below = if self.ends == Ends::Excluded { value < self.max } else { value <= self.max };
@@ -56,7 +67,7 @@ impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let excluded = self.ends != Ends::Included;
         match (self.min.is_finite(), self.max.is_finite()) {
-            (false, _) => write!(f, "finite numbers"),
+            (false, _) => return write!(f, "finite numbers"),
             (true, false) if excluded => write!(f, "above {}", self.min),
             (true, false) => write!(f, "{} or more", self.min),
             (true, true) if excluded => write!(f, "between {} and {}", self.min, self.max),
@@ -91,6 +102,14 @@ impl Options {
 
     pub fn object(&self) -> &str {
         &self.object
+    }
+
+    /// The value of `key`, as its row says.
+    pub(super) fn read<K: Kind>(&self, key: &str, kind: &K) -> mlua::Result<K::Read> {
+        match self.value(key)? {
+            Value::Nil => kind.absent(&self.object, key),
+            value => kind.read(&self.object, &Self::quoted(key), &value),
+        }
     }
 
     /// The raw value; nil where the script gives none.
@@ -221,24 +240,11 @@ impl Options {
         entry: impl Fn(&str, &Value) -> mlua::Result<T>,
     ) -> mlua::Result<Option<Vec<T>>> {
         let what = Self::quoted(key);
+        let entry = |number, value: &Value| entry(&format!("{what} entry {number}"), value);
         match self.value(key)? {
             Value::Nil => Ok(None),
-            value => checked_list(&self.object, &what, &value, expected)?
-                .sequence_values()
-                .enumerate()
-                .map(|(at, value)| entry(&format!("{what} entry {}", at + 1), &value?))
-                .collect::<mlua::Result<_>>()
-                .map(Some),
+            value => each(&self.object, &what, &value, expected, entry).map(Some),
         }
-    }
-
-    pub fn required_list_of<T>(
-        &self,
-        key: &str,
-        expected: &str,
-        entry: impl Fn(&str, &Value) -> mlua::Result<T>,
-    ) -> mlua::Result<Vec<T>> {
-        self.list_of(key, expected, entry)?.ok_or_else(|| self.missing(key, expected))
     }
 
     /// A list of `{x, y, z}`.
@@ -314,12 +320,15 @@ pub fn number(object: &str, what: &str, value: &Value, range: Range) -> mlua::Re
 
 /// A whole number in range.
 pub fn count(object: &str, what: &str, value: &Value, min: u64, max: u64) -> mlua::Result<u64> {
-    let allowed = || format!("whole numbers, {min} to {max}");
-    let given = number(object, what, value, Range::ANY)?;
+    whole(object, what, number(object, what, value, Range::ANY)?, min, max)
+}
+
+/// A number that has to be whole and in range.
+pub(super) fn whole(object: &str, what: &str, given: f64, min: u64, max: u64) -> mlua::Result<u64> {
     if given.fract() == 0.0 && (min as f64..=max as f64).contains(&given) {
         return Ok(given as u64);
     }
-    Err(Error::out_of_range(object, what, given, allowed()).into())
+    Err(Error::out_of_range(object, what, given, format!("whole numbers, {min} to {max}")).into())
 }
 
 pub fn text(object: &str, what: &str, value: &Value) -> mlua::Result<String> {
@@ -363,6 +372,18 @@ pub fn vector(object: &str, what: &str, value: &Value) -> mlua::Result<DVec3> {
 /// lists are for [`Options::list_of`].
 pub fn list(object: &str, what: &str, value: &Value, expected: &str) -> mlua::Result<Vec<Value>> {
     checked_list(object, what, value, expected)?.sequence_values().collect()
+}
+
+/// The entries of a list, as `entry` reads each by its number, from 1, and value.
+pub(super) fn each<T>(
+    object: &str,
+    what: &str,
+    value: &Value,
+    expected: &str,
+    entry: impl Fn(usize, &Value) -> mlua::Result<T>,
+) -> mlua::Result<Vec<T>> {
+    let list = checked_list(object, what, value, expected)?;
+    (1..).zip(list.sequence_values()).map(|(number, value)| entry(number, &value?)).collect()
 }
 
 /// A table that is a list: without other keys and gaps.
@@ -451,5 +472,10 @@ impl Arguments {
 
     pub fn options(&mut self, known: &[&str]) -> mlua::Result<Options> {
         Options::new(self.object, self.value(), known)
+    }
+
+    /// A table of options, as its record reads it.
+    pub(super) fn record<R: Record>(&mut self) -> mlua::Result<R> {
+        R::read(self.object, self.value())
     }
 }

@@ -2,15 +2,17 @@
 
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods};
+use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
 
 use super::host::Host;
 use super::image::LuaImage;
+use super::kinds::{Any, Choice, Flag, Handle, Kind, List, Naming, SpectrumOrNumber};
 use super::light::LuaLight;
 use super::material::LuaMaterial;
 use super::mesh::LuaMesh;
-use super::options::{self, Arguments, Options};
+use super::options::{self, Arguments};
 use super::quality::{ASKED_KEYS, asked, quality, warn_of_target};
+use super::record::{Record, options};
 use super::view::LuaView;
 use super::{fault, host, paths};
 use crate::color::Photometry;
@@ -18,8 +20,7 @@ use crate::error::Error;
 use crate::material::Material;
 use crate::program::stage::Stage;
 use crate::render;
-use crate::scene::plausibility;
-use crate::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
+use crate::scene::{self, Light, MaterialId, Prepared, Scene, Shadows};
 use crate::spectrum::Spectrum;
 use crate::view::View;
 
@@ -27,37 +28,53 @@ use crate::view::View;
 #[derive(Debug, Clone)]
 pub struct LuaScene(pub Arc<Stage>);
 
-const KEYS: [&str; 6] = ["ambient", "background", "lights", "objects", "photometry", "shadows"];
-
-pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    module.set("scene", fault::function(lua, |lua, a| scene(lua, Arguments::new("scene", a, 1)?))?)
+options! {
+    struct SceneOptions {
+        objects: Vec<Value> = List {
+            entry: Any { lua_type: "Object", expected: "a table of options" },
+            expected: "a list of {mesh =, material =}",
+            naming: Naming::Key,
+        },
+        lights: Vec<LuaLight> = List {
+            entry: Handle::new("Rayset", "a list of raysets"),
+            expected: "a list of raysets",
+            naming: Naming::Key,
+        }.or(Vec::new()),
+        background: Spectrum = SpectrumOrNumber::new("0 or more").or(Spectrum::constant(0.0)),
+        ambient: Spectrum = SpectrumOrNumber::new("0 or more").or(Spectrum::constant(0.0)),
+        photometry: Photometry = Choice(&[
+            ("relative", Photometry::Relative),
+            ("absolute", Photometry::Absolute),
+        ]).or(Photometry::Relative),
+        shadows: bool = Flag.or(false),
+    }
 }
 
-fn scene(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
-    let options = arguments.options(&KEYS)?;
-    let mut parts = Parts::default();
-    let objects = options.required_list("objects", "a list of {mesh =, material =}")?;
-    for (at, value) in (1..).zip(objects) {
-        parts.add_object(Options::new(
-            &format!("scene: object {at}"),
-            value,
-            &["material", "mesh"],
-        )?)?;
+options! {
+    struct Object {
+        mesh: LuaMesh = Handle::new("Mesh", "a mesh"),
+        material: LuaMaterial = Handle::new("Material", "a material"),
     }
-    let lights = options.list("lights", "a list of raysets")?.unwrap_or_default();
-    let lights = lights.iter().map(|value| {
-        let light: LuaLight = options::handle("scene", "\"lights\"", value, "a list of raysets")?;
-        Ok(Light { rays: light.rays, spectrum: Arc::unwrap_or_clone(light.spectrum) })
-    });
-    let photometries = [("relative", Photometry::Relative), ("absolute", Photometry::Absolute)];
-    let shadows = if options.flag("shadows", false)? { Shadows::On } else { Shadows::Off };
-    let black = || Spectrum::constant(0.0);
+}
+
+pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
+    module.set("scene", fault::function(lua, |lua, a| new(lua, Arguments::new("scene", a, 1)?))?)
+}
+
+fn new(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
+    let given: SceneOptions = arguments.record()?;
+    let mut parts = Parts::default();
+    for (at, value) in (1..).zip(given.objects) {
+        parts.add(Object::read(&format!("scene: object {at}"), value)?);
+    }
+    let light =
+        |LuaLight { rays, spectrum }| Light { rays, spectrum: Arc::unwrap_or_clone(spectrum) };
     let scene = Scene {
-        lights: lights.collect::<mlua::Result<_>>()?,
-        background: options.spectrum("background")?.unwrap_or_else(black),
-        ambient: options.spectrum("ambient")?.unwrap_or_else(black),
-        photometry: options.choice("photometry", &photometries)?.unwrap_or(Photometry::Relative),
-        shadows,
+        lights: given.lights.into_iter().map(light).collect(),
+        background: given.background,
+        ambient: given.ambient,
+        photometry: given.photometry,
+        shadows: if given.shadows { Shadows::On } else { Shadows::Off },
         objects: parts.objects,
         materials: parts.materials.iter().map(|m| Material::clone(m)).collect(),
     };
@@ -69,22 +86,20 @@ fn scene(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
 
 #[derive(Default)]
 struct Parts {
-    objects: Vec<Object>,
+    objects: Vec<scene::Object>,
     materials: Vec<Arc<Material>>,
 }
 
 impl Parts {
     /// A material handle used twice is one material of the scene.
-    fn add_object(&mut self, options: Options) -> mlua::Result<()> {
-        let mesh: LuaMesh = options.required_handle("mesh", "a mesh")?;
-        let material: LuaMaterial = options.required_handle("material", "a material")?;
-        let known = self.materials.iter().position(|m| Arc::ptr_eq(m, &material.0));
+    fn add(&mut self, object: Object) {
+        let material = object.material.0;
+        let known = self.materials.iter().position(|m| Arc::ptr_eq(m, &material));
         let material = known.unwrap_or_else(|| {
-            self.materials.push(material.0);
+            self.materials.push(material);
             self.materials.len() - 1
         });
-        self.objects.push(Object { mesh: mesh.0, material: MaterialId(material) });
-        Ok(())
+        self.objects.push(scene::Object { mesh: object.mesh.0, material: MaterialId(material) });
     }
 }
 
@@ -140,7 +155,7 @@ impl LuaScene {
 }
 
 pub(super) fn warn_of_view(host: &Host, prepared: &Prepared, view: &View) {
-    plausibility::of_view(prepared, view).into_iter().for_each(|warning| host.warn(warning));
+    scene::plausibility::of_view(prepared, view).into_iter().for_each(|warning| host.warn(warning));
 }
 
 impl UserData for LuaScene {

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
 
+use super::kinds::{Count, Or};
 use super::options::{self, Arguments, Range};
+use super::record::options;
 use super::{fault, host};
 use crate::error::Error;
 use crate::spectrum::{Spectrum, WavelengthGrid, cie};
@@ -58,12 +60,21 @@ fn new_handle(spectrum: Spectrum) -> LuaSpectrum {
     LuaSpectrum(Arc::new(spectrum))
 }
 
+options! {
+    struct SpectrumLoadOptions {
+        /// of the values, 1-based
+        column: usize = COLUMN,
+    }
+}
+
+/// Of a table: the first is the wavelength or angle.
+pub(super) const COLUMN: Or<Count<usize>> = Or { kind: Count::new(2, 1000), default: 2 };
+
 fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaSpectrum> {
     let path = arguments.text("path")?;
-    let options = arguments.options(&["column"])?;
-    let column = options.count("column", 2, 1000)?.unwrap_or(2);
+    let SpectrumLoadOptions { column } = arguments.record()?;
     let path = host::of(lua)?.input(&path)?;
-    Ok(new_handle(Spectrum::from_csv(&path, column as usize)?))
+    Ok(new_handle(Spectrum::from_csv(&path, column)?))
 }
 
 fn from_pairs(mut arguments: Arguments) -> mlua::Result<LuaSpectrum> {

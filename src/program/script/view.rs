@@ -3,15 +3,15 @@
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods};
 
 use super::fault;
+use super::kinds::{Count, Kind, Number, Or, Vector};
 use super::options::{Arguments, Range};
+use super::record::{Record, options};
 use crate::geometry::DVec3;
 use crate::view::View;
 
 /// Handle of a view.
 #[derive(Debug, Clone, Copy)]
 pub struct LuaView(pub View);
-
-const KEYS: [&str; 7] = ["azimuth", "elevation", "distance", "target", "fov", "width", "height"];
 
 /// Pixels a side: beyond this an image of 81 bands does not fit any machine.
 pub(super) const MAX_SIDE: u64 = 65_536;
@@ -20,16 +20,44 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     module.set("view", fault::function(lua, |_, a| view(Arguments::new("view", a, 1)?))?)
 }
 
+options! {
+    /// Where a picture is taken from.
+    struct ViewOptions {
+        /// to the right
+        azimuth: f64 = Number(Range::new(-360.0, 360.0, "degrees")).or(0.0),
+        /// up
+        elevation: f64 = Number(Range::new(-90.0, 90.0, "degrees")).or(0.0),
+        /// from eye to target
+        distance: f64 = DISTANCE,
+        target: DVec3 = Vector("mm").or(DVec3::ZERO),
+        /// full vertical angle
+        fov: f64 = FOV,
+        width: usize = pixels(640),
+        height: usize = pixels(480),
+    }
+}
+
+pub(super) const DISTANCE: Or<Number> =
+    Or { kind: Number(Range::above_zero("mm")), default: 3000.0 };
+pub(super) const FOV: Or<Number> =
+    Or { kind: Number(Range::between(0.0, 180.0, "degrees")), default: 6.0 };
+
+/// A side of a picture.
+pub(super) fn pixels(default: usize) -> Or<Count<usize>> {
+    Count::new(1, MAX_SIDE).of("pixels").or(default)
+}
+
 fn view(mut arguments: Arguments) -> mlua::Result<LuaView> {
-    let options = arguments.options(&KEYS)?;
+    let ViewOptions { azimuth, elevation, distance, target, fov, width, height } =
+        arguments.record()?;
     Ok(LuaView(View {
-        azimuth_deg: options.number_or("azimuth", Range::new(-360.0, 360.0, "degrees"), 0.0)?,
-        elevation_deg: options.number_or("elevation", Range::new(-90.0, 90.0, "degrees"), 0.0)?,
-        distance_mm: options.number_or("distance", Range::above_zero("mm"), 3000.0)?,
-        target: options.vector("target")?.unwrap_or(DVec3::ZERO),
-        fov_deg: options.number_or("fov", Range::between(0.0, 180.0, "degrees"), 6.0)?,
-        width: options.count("width", 1, MAX_SIDE)?.unwrap_or(640) as usize,
-        height: options.count("height", 1, MAX_SIDE)?.unwrap_or(480) as usize,
+        azimuth_deg: azimuth,
+        elevation_deg: elevation,
+        distance_mm: distance,
+        target,
+        fov_deg: fov,
+        width,
+        height,
     }))
 }
 
@@ -47,6 +75,6 @@ impl UserData for LuaView {
     fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
         methods
             .add_meta_method(MetaMethod::ToString, |_, this, ()| Ok(format!("view: {}", this.0)));
-        fault::refuse_unknown_fields(methods, "view", &KEYS);
+        fault::refuse_unknown_fields(methods, "view", ViewOptions::keys());
     }
 }

@@ -1,0 +1,166 @@
+//! What is said of options outside of the program: the Lua language server's annotations and the
+//! manual's option tables, both written from the records' rows.
+
+use super::record::{Record, Row};
+use crate::error::Error;
+
+/// A record as the annotations and the manual show it.
+struct Class {
+    name: &'static str,
+    rows: Vec<Row>,
+}
+
+fn class<R: Record>() -> Class {
+    Class { name: R::CLASS, rows: R::rows() }
+}
+
+/// Every record that scripts may write.
+const RECORDS: &[fn() -> Class] = &[
+    class::<super::emitter::BulbOptions>,
+    class::<super::emitter::CylinderOptions>,
+    class::<super::emitter::FilamentOptions>,
+    class::<super::lobe_fit::LobeFitOptions>,
+    class::<super::material::MaterialOptions>,
+    class::<super::mesh::MeshLoadOptions>,
+    class::<super::mesh::MeshNewOptions>,
+    class::<super::mesh::MeshSurfaceOptions>,
+    class::<super::mesh::Rotation>,
+    class::<super::mesh::SectionOptions>,
+    class::<super::mesh::Transform>,
+    class::<super::scene::Object>,
+    class::<super::scene::SceneOptions>,
+    class::<super::spectrum::SpectrumLoadOptions>,
+    class::<super::view::ViewOptions>,
+];
+
+/// The options of the records whose names hold `part`, a paragraph each.
+///
+/// Errors: no such record.
+pub fn describe_options(part: &str) -> Result<String, Error> {
+    let classes: Vec<Class> = RECORDS.iter().map(|class| class()).collect();
+    let is_meant = |class: &&Class| class.name.to_lowercase().contains(&part.to_lowercase());
+    let found: Vec<String> = classes.iter().filter(is_meant).map(Class::paragraph).collect();
+    if found.is_empty() {
+        let names: Vec<&str> = classes.iter().map(|class| class.name).collect();
+        let value = format!("\"{part}\"");
+        return Err(Error::out_of_range("options", "name", value, names.join(", ")));
+    }
+    Ok(found.join("\n"))
+}
+
+impl Class {
+    fn paragraph(&self) -> String {
+        let rows = self.rows.iter().map(|row| format!("  {}\n", line(row)));
+        format!("{}\n{}", self.name, rows.collect::<String>())
+    }
+}
+
+/// Key, type, and what is said of them.
+fn line(row: &Row) -> String {
+    let Row { key, lua_type, allowed, sentence, .. } = row;
+    let mark = if row.is_required { "" } else { "?" };
+    let default = match row.default.as_str() {
+        "" => String::new(),
+        default => format!("default {default}"),
+    };
+    let parts = [sentence, allowed, &default].map(String::as_str);
+    let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+    format!("{key}{mark} {lua_type}  {}", parts.join("; ")).trim_end().to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::{Path, PathBuf};
+    use std::{env, fs};
+
+    use super::*;
+
+    impl Class {
+        /// Its block in `scripts/library/lampyris.lua`.
+        fn annotation(&self) -> String {
+            let rows = self.rows.iter().map(|row| format!("---@field {}\n", line(row)));
+            format!("---@class {}\n{}", self.name, rows.collect::<String>())
+        }
+
+        /// Its table in the manual.
+        fn table(&self) -> String {
+            let head = "| option | type | allowed | default | |\n|---|---|---|---|---|\n";
+            format!("{head}{}", self.rows.iter().map(table_line).collect::<String>())
+        }
+    }
+
+    fn table_line(row: &Row) -> String {
+        let default = match (row.is_required, row.default.as_str()) {
+            (true, _) => "required".to_owned(),
+            (false, "") => String::new(),
+            (false, default) => format!("`{default}`"),
+        };
+        let lua_type = row.lua_type.replace('|', "\\|");
+        let Row { key, allowed, sentence, .. } = row;
+        format!("| `{key}` | {lua_type} | {allowed} | {default} | {sentence} |\n")
+    }
+
+    fn path(below: &str) -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join(below)
+    }
+
+    /// `text` with what stands between a line `start` and a line `end` replaced.
+    fn replaced(text: &str, start: &str, end: &str, new: &str) -> Option<String> {
+        let (before, rest) = text.split_once(start)?;
+        let (_, after) = rest.split_once(end)?;
+        Some(format!("{before}{start}{new}{end}{after}"))
+    }
+
+    /// `text` with the class's block replaced: its line, and the fields that follow.
+    fn with_class(text: &str, class: &Class) -> Option<String> {
+        let start = format!("---@class {}\n", class.name);
+        let (before, rest) = text.split_once(&start)?;
+        let fields = rest.split_inclusive('\n').take_while(|line| line.starts_with("---@field "));
+        let after = &rest[fields.map(str::len).sum()..];
+        Some(format!("{before}{}{after}", class.annotation()))
+    }
+
+    /// `text` with the class's table replaced, where it has one.
+    fn with_table(text: &str, class: &Class) -> String {
+        let start = format!("<!-- options of {} -->\n", class.name);
+        replaced(text, &start, "<!-- end -->", &class.table()).unwrap_or_else(|| text.to_owned())
+    }
+
+    /// Errors: a file that differs; with `MAKE_REF` it is written, and differs in this run only.
+    fn check(path: &Path, found: &str, expected: &str) -> Result<(), String> {
+        if found == expected {
+            return Ok(());
+        }
+        if env::var_os("MAKE_REF").is_some() {
+            fs::write(path, expected).unwrap();
+        }
+        let first = found.lines().zip(expected.lines()).find(|(found, expected)| found != expected);
+        let name = path.display();
+        Err(format!("{name} is not in step, MAKE_REF=1 writes it anew; first: {first:?}"))
+    }
+
+    #[test]
+    fn the_annotations_are_in_step() {
+        let library = path("scripts/library/lampyris.lua");
+        let found = fs::read_to_string(&library).unwrap();
+        let expected = RECORDS.iter().map(|class| class()).fold(found.clone(), |text, class| {
+            let new = with_class(&text, &class);
+            new.unwrap_or_else(|| panic!("no ---@class {} in {}", class.name, library.display()))
+        });
+        check(&library, &found, &expected).unwrap();
+    }
+
+    #[test]
+    fn the_manual_is_in_step() {
+        let pages = fs::read_dir(path("docs")).unwrap().map(|entry| entry.unwrap().path());
+        let faults = pages.filter_map(|page| {
+            let found = fs::read_to_string(&page).unwrap();
+            let expected = RECORDS
+                .iter()
+                .map(|class| class())
+                .fold(found.clone(), |text, class| with_table(&text, &class));
+            check(&page, &found, &expected).err()
+        });
+        assert_eq!(faults.collect::<Vec<_>>(), Vec::<String>::new());
+    }
+}
