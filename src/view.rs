@@ -13,14 +13,17 @@ pub struct View {
     pub elevation_deg: f64,
     /// From eye to target, > 0.
     pub distance_mm: f64,
+    /// What the camera looks at, mm; it is in the middle of the picture.
     pub target: DVec3,
     /// Full vertical angle, 0 to 180, both excluded.
     pub fov_deg: f64,
+    /// Pixels of a row.
     pub width: usize,
+    /// Rows of pixels.
     pub height: usize,
 }
 
-/// The camera's axes, and half the image plane's extent at unit distance.
+/// Turns image positions into rays: the camera's axes, and half the image plane's extent at unit distance.
 #[derive(Debug, Clone, Copy)]
 pub struct Camera {
     eye: DVec3,
@@ -32,6 +35,7 @@ pub struct Camera {
 }
 
 impl View {
+    /// Eye and axes: model.md, "camera".
     pub fn camera(&self) -> Camera {
         let (sin_a, cos_a) = self.azimuth_deg.to_radians().sin_cos();
         let (sin_e, cos_e) = self.elevation_deg.to_radians().sin_cos();
@@ -47,6 +51,7 @@ impl View {
         }
     }
 
+    /// Number of pixels.
     pub fn pixels(&self) -> usize {
         self.width * self.height
     }

@@ -20,18 +20,18 @@ pub(super) struct PixelStats {
     /// Σ (Y − mean)².
     squares: f64,
     groups: [f64; GROUPS],
-    /// Σ of the samples' estimated light errors.
-    pub light_error: f64,
+    /// Σ of the errors that light sums are estimated to leave in the samples' luminances.
+    pub light_luminance_error: f64,
 }
 
 impl PixelStats {
-    pub fn add(&mut self, luminance: f64, light_error: f64) {
+    pub fn add(&mut self, luminance: f64, light_luminance_error: f64) {
         self.groups[self.count as usize % GROUPS] += luminance;
         self.count += 1;
         let before = luminance - self.mean;
         self.mean += before / f64::from(self.count);
         self.squares += before * (luminance - self.mean);
-        self.light_error += light_error;
+        self.light_luminance_error += light_luminance_error;
     }
 
     /// Standard error of the mean, relative to max(pixel, image mean); infinite for one sample.

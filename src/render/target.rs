@@ -11,7 +11,8 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::{Quality, RenderStats, Samples, Untold, Watch, render, sample_place};
+use super::pattern::sample_place;
+use super::{Quality, RenderStats, Samples, Untold, Watch, render};
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::image::SpectralImage;
@@ -34,53 +35,34 @@ const PILOT_SAMPLES: u32 = 4;
 
 const GRID: WavelengthGrid = WavelengthGrid::Step5;
 
-/// What a user asks of a picture: how it is made, or how good it is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Asked {
-    Quality(Quality),
-    /// As [`render_to_target`]'s.
-    TargetError(f64),
-}
-
-impl Asked {
-    /// As [`render`] or [`render_to_target`].
-    pub fn render(
-        &self,
-        prepared: &Prepared,
-        view: &View,
-        watch: &dyn Watch,
-    ) -> Result<(SpectralImage, RenderStats)> {
-        match self {
-            Self::Quality(quality) => render(prepared, view, quality, watch),
-            Self::TargetError(target) => render_to_target(prepared, view, *target, watch),
-        }
-    }
-}
-
-/// What [`render_to_target`] chose, and the errors that it estimates, all as `target`.
+/// What [`render_to_target`] chose, and the errors that it estimates, all as `target` is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TargetReport {
     /// Relative rms of luminance over lit pixels.
     pub target: f64,
+    /// Limits that were chosen.
     pub limits: TraceLimits,
+    /// Bands of the picture.
     pub grid: WavelengthGrid,
-    /// Mean and largest number of camera rays a pixel.
+    /// Mean number of camera rays a pixel.
     pub mean_samples: f64,
+    /// Largest number of camera rays of a pixel.
     pub most_samples: u32,
-    /// Of the finite number of camera rays.
+    /// Error of the finite number of camera rays.
     pub sampling_error: f64,
-    /// Of the sums over light samples.
-    pub light_error: f64,
-    /// Of `max_depth` and `min_throughput`.
+    /// Error of the sums over light samples.
+    pub light_sum_error: f64,
+    /// Error of `max_depth` and `min_throughput`.
     pub truncation_error: f64,
 }
 
 impl TargetReport {
-    /// Of the image.
+    /// Estimated error of the image.
     pub fn error(&self) -> f64 {
-        self.sampling_error.hypot(self.light_error + self.truncation_error)
+        self.sampling_error.hypot(self.light_sum_error + self.truncation_error)
     }
 
+    /// Whether the estimated error is within the target.
     pub fn is_reached(&self) -> bool {
         self.error() <= self.target
     }
@@ -97,7 +79,7 @@ impl fmt::Display for TargetReport {
             self.error(),
             self.sampling_error,
             self.most_samples,
-            self.light_error,
+            self.light_sum_error,
             self.limits.light_error,
             self.truncation_error,
             self.limits.max_depth,
@@ -183,7 +165,7 @@ impl Rung {
 #[derive(Debug, Clone, Copy)]
 struct Chosen {
     rung: Rung,
-    light_error: f64,
+    light_sum_error: f64,
     truncation_error: f64,
 }
 
@@ -197,7 +179,7 @@ impl Chosen {
             mean_samples: stats.counts.camera_rays as f64 / samples.len() as f64,
             most_samples: samples.iter().copied().fold(0.0, f32::max) as u32,
             sampling_error: stats.sampling_error.unwrap_or(0.0),
-            light_error: self.light_error,
+            light_sum_error: self.light_sum_error,
             truncation_error: self.truncation_error,
         }
     }
@@ -244,10 +226,10 @@ impl Trials<'_> {
         let exact = self.luminances(&rays, TraceLimits { light_error: 0.0, ..limits })?;
         loop {
             let near = self.luminances(&rays, rung.limits(self.target))?;
-            let light_error = rms_change(&rays, &near, &exact);
+            let light_sum_error = rms_change(&rays, &near, &exact);
             // The last is exact, so its error is 0.
-            if light_error <= LIGHT_SHARE * self.target {
-                return Ok(Chosen { rung, light_error, truncation_error });
+            if light_sum_error <= LIGHT_SHARE * self.target {
+                return Ok(Chosen { rung, light_sum_error, truncation_error });
             }
             rung = rung.closer();
         }

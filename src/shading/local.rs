@@ -35,7 +35,7 @@ impl Tracer<'_> {
             let power = &self.tables.lights[light];
             add_light(&answer, power, tables, throughput, sum);
             if answer.reflected_error + answer.transmitted_error > 0.0 {
-                state.light_error += self.luminance_error(&answer, power, tables, throughput);
+                state.luminance_error += self.luminance_error(&answer, power, tables, throughput);
             }
         }
     }

@@ -76,7 +76,7 @@ pub struct TraceState {
     pub counts: TraceCounts,
     /// Σ over hits of the estimated error of their light sums, in the luminance that reaches the
     /// camera (unit of Y).
-    pub light_error: f64,
+    pub luminance_error: f64,
 }
 
 impl Tracer<'_> {

@@ -340,7 +340,7 @@ fn stats(lua: &Lua, rendered: &Rendered) -> mlua::Result<Table> {
         ("light_sums", counts.light_sums as f64),
         ("nodes_per_sum", per_sum(counts.light_nodes)),
         ("samples_per_sum", per_sum(counts.light_samples)),
-        ("light_error", stats.light_error),
+        ("light_error", stats.mean_light_error),
         ("largest_light_error", stats.largest_light_error),
         ("seconds", stats.seconds),
         ("bvh_seconds", build.bvh),
@@ -360,7 +360,7 @@ fn target_table(lua: &Lua, report: &TargetReport) -> mlua::Result<Table> {
     let numbers = [
         ("error", report.error()),
         ("sampling_error", report.sampling_error),
-        ("light_sum_error", report.light_error),
+        ("light_sum_error", report.light_sum_error),
         ("truncation_error", report.truncation_error),
         ("samples", report.mean_samples),
         ("min_throughput", report.limits.min_throughput),

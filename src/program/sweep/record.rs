@@ -67,7 +67,7 @@ pub fn stats_record(stats: &RenderStats) -> Value {
         "light_sums": light_sums,
         "light_nodes": light_nodes,
         "light_samples": light_samples,
-        "light_error": stats.light_error,
+        "light_error": stats.mean_light_error,
         "largest_light_error": stats.largest_light_error,
     });
     if let Some(report) = &stats.target {
@@ -80,7 +80,7 @@ fn target_record(report: &TargetReport) -> Value {
     json!({
         "error": report.error(),
         "sampling_error": report.sampling_error,
-        "light_sum_error": report.light_error,
+        "light_sum_error": report.light_sum_error,
         "truncation_error": report.truncation_error,
         "samples": report.mean_samples,
         "most_samples": report.most_samples,

@@ -1,0 +1,132 @@
+//! Camera rays of all pixels, tile by tile on all threads, until each pixel has enough.
+
+use rayon::prelude::*;
+
+use super::film::{Film, PixelStats};
+use super::pattern::sample_place;
+use super::{Samples, Untold, Watch};
+use crate::error::{Error, Result};
+use crate::shading::{TraceCounts, TraceState, Tracer};
+use crate::spectrum::Bands;
+use crate::view::Camera;
+
+/// Small enough to share pixels evenly among threads, large enough that tasks cost nothing.
+const PIXELS_A_TASK: usize = 64;
+
+/// Takes the samples of a picture.
+#[derive(Clone, Copy)]
+pub(super) struct Sampler<'a> {
+    pub tracer: Tracer<'a>,
+    pub camera: Camera,
+    /// Pixels of a row.
+    pub width: usize,
+    pub watch: &'a dyn Watch,
+}
+
+impl Sampler<'_> {
+    /// Adds to `film` what `samples` ask for.
+    ///
+    /// Errors: [`Error::Interrupted`]; a radiance that is not finite.
+    pub fn take(&self, film: &mut Film, samples: Samples) -> Result<TraceCounts> {
+        match samples {
+            Samples::Fixed(count) => self.sample_until(film, |pixel| pixel.count >= count),
+            Samples::Adaptive { min, max, error } => {
+                let counts = self.sample_until(film, |pixel| pixel.count >= min)?;
+                let image_mean = film.mean_luminance();
+                let more = self.sample_until(film, |pixel| {
+                    pixel.count >= max || pixel.relative_error(image_mean) <= error
+                })?;
+                Ok(counts + more)
+            }
+            Samples::Lit { max, error } => self.sample_lit(film, max, error),
+        }
+    }
+
+    /// Rounds of at most twice as many samples, planned by what is known of each pixel.
+    fn sample_lit(&self, film: &mut Film, max: u32, error: f64) -> Result<TraceCounts> {
+        const FIRST: u32 = 60;
+        let untold = Sampler { watch: &Untold(self.watch), ..*self };
+        let mut counts = untold.sample_until(film, |pixel| pixel.count >= FIRST.min(max))?;
+        let mut told = 0;
+        loop {
+            let excess = film.lit_error() / error;
+            let is_hopeless = film.lit_error_of(|pixel| pixel.count >= max) > error;
+            // Evenly spread samples at edges: the error falls as count^−¾ (measured).
+            let growth = excess.powf(4.0 / 3.0).max(1.0);
+            let goes_on = excess > 1.0 && !is_hopeless && film.plan(growth.clamp(1.2, 2.0), max);
+            let share = if goes_on { growth.recip() } else { 1.0 };
+            let done = ((film.pixels.len() as f64 * share) as usize).max(told);
+            self.watch.pixels_done(done - told);
+            told = done;
+            if !goes_on {
+                return Ok(counts);
+            }
+            counts = counts + untold.sample_until(film, |pixel| pixel.count >= pixel.planned)?;
+        }
+    }
+
+    /// Adds samples to every pixel until it is `enough`.
+    fn sample_until(
+        &self,
+        film: &mut Film,
+        enough: impl Fn(&PixelStats) -> bool + Sync,
+    ) -> Result<TraceCounts> {
+        let bands = film.bands;
+        let tasks = film
+            .spectra
+            .par_chunks_mut(PIXELS_A_TASK * bands)
+            .zip(film.pixels.par_chunks_mut(PIXELS_A_TASK))
+            .enumerate();
+        let counts = tasks.map(|(task, (spectra, pixels))| {
+            let mut state = TraceState::default();
+            let places = (task * PIXELS_A_TASK..).zip(spectra.chunks_mut(bands)).zip(&mut *pixels);
+            for ((pixel, spectrum), stats) in places {
+                if self.watch.is_cancelled() {
+                    return Err(Error::Interrupted);
+                }
+                self.sample_pixel(pixel, spectrum, stats, &enough, &mut state)?;
+            }
+            self.watch.pixels_done(pixels.len());
+            Ok(state.counts)
+        });
+        counts.try_reduce(TraceCounts::default, |a, b| Ok(a + b))
+    }
+
+    fn sample_pixel(
+        &self,
+        pixel: usize,
+        spectrum: &mut [f32],
+        stats: &mut PixelStats,
+        enough: &impl Fn(&PixelStats) -> bool,
+        state: &mut TraceState,
+    ) -> Result<()> {
+        if enough(stats) {
+            return Ok(());
+        }
+        let (x, y) = (pixel % self.width, pixel / self.width);
+        let mut sum = Bands::zero(spectrum.len());
+        for (sum, mean) in sum.as_mut_slice().iter_mut().zip(&*spectrum) {
+            *sum = f64::from(*mean) * f64::from(stats.count);
+        }
+        while !enough(stats) {
+            let [dx, dy] = sample_place(stats.count);
+            let ray = self.camera.ray(x as f64 + dx, y as f64 + dy);
+            let mut sample = Bands::zero(spectrum.len());
+            state.luminance_error = 0.0;
+            self.tracer.trace(ray, state, &mut sample);
+            let luminance = sample.dot(&self.tracer.tables.luminance_weights);
+            stats.add(luminance, state.luminance_error);
+            sum.add(&sample);
+        }
+        for (mean, sum) in spectrum.iter_mut().zip(sum.as_slice()) {
+            *mean = (sum / f64::from(stats.count)) as f32;
+            if !mean.is_finite() {
+                return Err(Error::inconsistent(
+                    "render",
+                    format!("radiance of pixel ({x}, {y}) is {mean} after sample {}", stats.count),
+                ));
+            }
+        }
+        Ok(())
+    }
+}
