@@ -9,6 +9,8 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use lampyris::Error;
+use lampyris::display::{Display, Exposure, Look};
+use lampyris::program::develop::develop_files;
 use lampyris::program::info;
 use lampyris::program::progress::Verbosity;
 use lampyris::program::script::{self, ScriptFault, Settings};
@@ -45,6 +47,26 @@ enum Command {
     Info {
         #[arg(required = true, value_name = "FILE")]
         files: Vec<PathBuf>,
+    },
+    /// Make PNG pictures of EXR files, without rendering again
+    Develop {
+        #[arg(required = true, value_name = "FILE.exr")]
+        files: Vec<PathBuf>,
+        /// Display that the pictures are for [default: the look's, sRGB]
+        #[arg(long, value_name = "NAME", value_parser = display_from_name)]
+        display: Option<Display>,
+        /// How light is shown: paper, seen or camera
+        #[arg(long, value_name = "NAME", value_parser = look_from_name, default_value = "paper")]
+        look: Look,
+        /// "auto", or stops: 1 is twice as bright as the light's own unit [default: the look's]
+        #[arg(long, value_name = "auto|EV", value_parser = exposure_from_text, allow_hyphen_values = true)]
+        exposure: Option<Exposure>,
+        /// Bits of a channel [default: the display's, 8 or 16]
+        #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
+        bits: Option<u32>,
+        /// Folder for the pictures [default: beside each file]
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
     },
     /// Type Lua line by line, with the same interface as scripts
     Repl {
@@ -118,6 +140,15 @@ fn main() -> ExitCode {
             script::run(&script, settings)
         }),
         Command::Repl { options } => options.start(script::repl),
+        Command::Develop { files, display, mut look, exposure, bits, out } => {
+            look.display = display.unwrap_or(look.display);
+            look.exposure = exposure.unwrap_or(look.exposure);
+            let display = look.display.clone();
+            match bits.map_or(Ok(display.clone()), |bits| display.with_bits(bits)) {
+                Ok(display) => develop(&files, &Look { display, ..look }, out.as_deref()),
+                Err(error) => exit_code(Err(error)),
+            }
+        }
         Command::Info { files } => print_each(&files, |file| info::describe(file)),
         Command::Options { name } => match script::describe_options(&name) {
             Ok(text) => {
@@ -204,6 +235,40 @@ fn print_each(files: &[PathBuf], describe: impl Fn(&PathBuf) -> Result<String, E
         }
     }
     code
+}
+
+/// All files get their turn; the pictures are named as they are done.
+fn develop(files: &[PathBuf], look: &Look, out: Option<&std::path::Path>) -> ExitCode {
+    let results = match develop_files(files, look, out) {
+        Ok(results) => results,
+        Err(error) => return exit_code(Err(error)),
+    };
+    let mut code = ExitCode::SUCCESS;
+    for result in results {
+        match result {
+            Ok((path, developed)) => {
+                println!("{}: exposure {}", path.display(), developed.picture.exposure_factor);
+            }
+            Err(error) => code = exit_code(Err(error)),
+        }
+    }
+    code
+}
+
+fn display_from_name(name: &str) -> Result<Display, String> {
+    Display::named(name).ok_or_else(|| format!("expected one of {}", Display::NAMES.join(", ")))
+}
+
+fn look_from_name(name: &str) -> Result<Look, String> {
+    Look::named(name).ok_or_else(|| format!("expected one of {}", Look::NAMES.join(", ")))
+}
+
+fn exposure_from_text(text: &str) -> Result<Exposure, String> {
+    match text.parse::<f64>() {
+        Ok(stops) if stops.abs() <= 100.0 => Ok(Exposure::Stops(stops)),
+        _ if text == "auto" => Ok(Exposure::Auto),
+        _ => Err("expected \"auto\", or stops from -100 to 100".to_owned()),
+    }
 }
 
 fn verify(manifest: &std::path::Path, script: Option<&std::path::Path>) -> ExitCode {

@@ -1,6 +1,7 @@
 //! From a pixel to a ray.
 
 use std::fmt;
+use std::str::FromStr;
 
 use crate::geometry::{DVec3, Ray};
 
@@ -68,6 +69,42 @@ impl fmt::Display for View {
     }
 }
 
+/// Text that is no view; see [`View`]'s `Display`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NotAView;
+
+impl FromStr for View {
+    type Err = NotAView;
+
+    /// Reads what `Display` writes, exactly.
+    fn from_str(text: &str) -> Result<Self, NotAView> {
+        let number = |text: &str| text.trim().parse::<f64>().map_err(|_| NotAView);
+        let count = |text: &str| text.trim().parse::<usize>().map_err(|_| NotAView);
+        let (azimuth, rest) = between(text, "azimuth ", "°, elevation ")?;
+        let (elevation, rest) = rest.split_once("°, ").ok_or(NotAView)?;
+        let (distance, rest) = rest.split_once(" mm from [").ok_or(NotAView)?;
+        let (target, rest) = rest.split_once("], fov ").ok_or(NotAView)?;
+        let (fov, size) = rest.split_once("°, ").ok_or(NotAView)?;
+        let (width, height) = size.split_once(" × ").ok_or(NotAView)?;
+        let target: Vec<f64> = target.split(',').map(number).collect::<Result<_, _>>()?;
+        let [x, y, z] = target[..] else { return Err(NotAView) };
+        Ok(Self {
+            azimuth_deg: number(azimuth)?,
+            elevation_deg: number(elevation)?,
+            distance_mm: number(distance)?,
+            target: DVec3::new(x, y, z),
+            fov_deg: number(fov)?,
+            width: count(width)?,
+            height: count(height)?,
+        })
+    }
+}
+
+/// What stands between `start`, which begins the text, and `end`; and what follows.
+fn between<'a>(text: &'a str, start: &str, end: &str) -> Result<(&'a str, &'a str), NotAView> {
+    text.strip_prefix(start).and_then(|rest| rest.split_once(end)).ok_or(NotAView)
+}
+
 impl Camera {
     /// The ray through image position (x, y) in pixels, (0, 0) being the top left corner of the
     /// top left pixel.
@@ -106,6 +143,22 @@ mod tests {
             fov_deg: 90.0,
             width: 4,
             height: 2,
+        }
+    }
+
+    #[test]
+    fn text_reads_back_exactly() {
+        let odd = View {
+            azimuth_deg: -0.1,
+            elevation_deg: 1e-17,
+            distance_mm: 1.0 / 3.0,
+            target: DVec3::new(-0.3, 1e300, 5.0),
+            fov_deg: 6.800000000000001,
+            ..view()
+        };
+        assert_eq!(odd.to_string().parse(), Ok(odd));
+        for text in ["", "azimuth 1°, elevation 2°, 3 mm from [1, 2], fov 4°, 5 × 6"] {
+            assert_eq!(text.parse::<View>(), Err(NotAView), "{text}");
         }
     }
 

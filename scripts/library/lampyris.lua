@@ -422,10 +422,25 @@ function Scene:paths(view, options) end
 
 -- Images ----------------------------------------------------------------------------------------
 
+---@class lampyris.image
+lampyris.image = {}
+
+---An image from an EXR file of lampyris, with all its bands.
+---@param path string
+---@return Image
+function lampyris.image.load(path) end
+
+---The picture of lamps dimmed to these shares of their light; `a + b` and `0.3 * a` are short for it.
+---@param terms (Image|table)[]  {{image, weight}, …}; an image alone has the weight 1
+---@return Image
+function lampyris.image.sum(terms) end
+
 ---@class Image
+---@operator add(Image): Image
+---@operator mul(number): Image
 ---@field width integer
 ---@field height integer
----@field stats table  rays, light evaluations, seconds, memory; with target_error, what it chose in stats.target
+---@field stats table  rays, light evaluations, seconds, memory; with target_error, what it chose in stats.target; nil unless this script rendered the image
 local Image = {}
 
 ---@class Region
@@ -477,27 +492,78 @@ function Image:false_color(options) end
 ---@field strength? number  0 to 1
 
 ---@class Exposure
----@field ev number  stops, −100 to 100
+---@field ev? number  stops, −100 to 100
+---@field adaptation? number  cd/m² that an eye is adapted to, shown as middle gray
 
----@class PngOptions
+---How a picture is shown.
+---@class Look
 ---@field display? Display  default sRGB
----@field exposure? "auto"|number|Exposure  default "auto"
+---@field bits? integer  of a channel, 1 to 16; default the display's
+---@field exposure? "auto"|number|Exposure  default "auto"; the display's own cd/m² on a PQ display
 ---@field gamut? "clip"|"desaturate"  default "clip"
 ---@field glare? boolean|Glare  default none
 ---@field tone? "linear"|"reinhard"|"photographic"|fun(luminance: number): number  default "linear"
+---@field camera? false|Camera  looks in place of the eye
 
----Writes an EXR file, or a PNG file, whose options it takes.
+---@class PngOptions
+---@field display? Display  default sRGB
+---@field bits? integer  of a channel, 1 to 16; default the display's
+---@field exposure? "auto"|number|Exposure  default "auto"; the display's own cd/m² on a PQ display
+---@field gamut? "clip"|"desaturate"  default "clip"
+---@field glare? boolean|Glare  default none
+---@field tone? "linear"|"reinhard"|"photographic"|fun(luminance: number): number  default "linear"
+---@field camera? false|Camera  looks in place of the eye
+---@field look? "paper"|"seen"|"camera"|Look  default "paper"; keys beside it change it
+
+---@class ExrOptions
+---@field bands? "float"|"half"|"pxr24"|"none"  default "float", which reads back bit for bit
+
+---Writes an EXR file or a PNG file.
 ---@param path string  below the output folder, ending in .exr or .png
----@param options? PngOptions
+---@param options? PngOptions|ExrOptions
 ---@return table  of a PNG file: exposure and what the display could not show
 function Image:save(path, options) end
+
+-- Cameras ---------------------------------------------------------------------------------------
+
+---@class Camera
+
+---@class lampyris.camera
+---@field nikon_d5100 Camera  measured at NPL
+---@field sigma_sd_merrill Camera  measured at NPL
+lampyris.camera = {}
+
+---@class CameraOptions
+---@field red Spectrum  response to equal radiant power
+---@field green Spectrum
+---@field blue Spectrum
+---@field exposure? "auto"|number|Exposure  default "auto": 99.5 % of the pixels fill no channel
+---@field full_well? number  level of a full channel, relative to display white; default 1
+---@field white? number[]  {x, y} that the white balance makes neutral; default D65
+---@field name? string
 
 -- Displays --------------------------------------------------------------------------------------
 
 ---@class lampyris.display
 ---@field eizo_t766 Display  the paper's EIZO FlexScan T766
 ---@field srgb Display
+---@field p3 Display  Display P3, 80 cd/m²
+---@field rec2020 Display  BT.2020's primaries with sRGB's curve, 80 cd/m²
 lampyris.display = {}
+
+---@class PqOptions
+---@field peak? number  cd/m²; default 1000
+---@field bits? integer  default 16
+
+---An HDR display with P3's primaries; luminance is absolute.
+---@param options? PqOptions
+---@return Display
+function lampyris.display.p3_pq(options) end
+
+---An HDR display with BT.2020's primaries (HDR10); luminance is absolute.
+---@param options? PqOptions
+---@return Display
+function lampyris.display.rec2020_pq(options) end
 
 ---@class Display
 ---@field gain number[]  k_g of red, green, blue
@@ -667,6 +733,8 @@ function Grid:save(path, options) end
 ---@field y? FigureAxis
 ---@field image? Image
 ---@field crop? Region
+---@field look? "paper"|"seen"|"camera"|Look
+---@field camera? false|Camera
 ---@field false_color? boolean|FalseColorOptions
 ---@field exposure? "auto"|number|Exposure
 ---@field gamut? "clip"|"desaturate"

@@ -10,7 +10,7 @@ pub mod signal;
 pub use difference::{delta_e_2000, delta_e_ab};
 pub use lab::Lab;
 pub use photometry::Photometry;
-pub use rec709::{D65_XY, rec709_from_xyz, srgb_decode, srgb_encode, xyz_from_rec709};
+pub use rec709::{D65_XY, REC709_XY, rec709_from_xyz, srgb_decode, srgb_encode, xyz_from_rec709};
 
 use std::ops::{Add, Mul, Sub};
 

@@ -10,9 +10,9 @@ use super::{Xyz, xyz_from_primaries};
 pub const D65_XY: [f64; 2] = [0.3127, 0.3290];
 
 /// ITU-R BT.709-6, item 1.3.
-const PRIMARIES_XY: [[f64; 2]; 3] = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
+pub const REC709_XY: [[f64; 2]; 3] = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
 
-static XYZ_FROM_RGB: LazyLock<DMat3> = LazyLock::new(|| xyz_from_primaries(PRIMARIES_XY, D65_XY));
+static XYZ_FROM_RGB: LazyLock<DMat3> = LazyLock::new(|| xyz_from_primaries(REC709_XY, D65_XY));
 static RGB_FROM_XYZ: LazyLock<DMat3> = LazyLock::new(|| XYZ_FROM_RGB.inverse());
 
 /// Linear Rec. 709, unclipped; D65 of Y = 1 is (1, 1, 1).

@@ -1,5 +1,7 @@
 //! How much light of the scene becomes how much light of the display.
 
+use super::tone::MIDDLE_GRAY;
+use crate::color::Photometry;
 use crate::error::{Error, Result};
 use crate::image::{AUTO_PERCENT, XyzImage};
 
@@ -13,17 +15,27 @@ pub enum Exposure {
     Factor(f64),
     /// 2 to this power.
     Stops(f64),
+    /// This luminance, cd/m², is shown as middle gray: an eye is adapted to it. For relative
+    /// light, which has no cd/m², as [`Exposure::Auto`].
+    Adapted(f64),
 }
 
+/// Adaptation of an eye before a lit lamp at dusk, cd/m².
+pub const DUSK_CD_M2: f64 = 100.0;
+
 impl Exposure {
-    /// The factor that is given, or `None` for [`Exposure::Auto`].
+    /// The factor that is given, for a display of this white, or `None` for [`Exposure::Auto`].
     ///
     /// Errors: [`Error::OutOfRange`] for a factor that is not finite and above 0.
-    pub fn given(self) -> Result<Option<f64>> {
+    pub fn given(self, white_cd_m2: f64, photometry: Photometry) -> Result<Option<f64>> {
         let (what, value, factor) = match self {
             Self::Auto => return Ok(None),
             Self::Factor(factor) => ("factor", factor, factor),
             Self::Stops(stops) => ("stops", stops, stops.exp2()),
+            Self::Adapted(_) if photometry == Photometry::Relative => return Ok(None),
+            Self::Adapted(luminance) => {
+                ("adaptation", luminance, MIDDLE_GRAY * white_cd_m2 / luminance)
+            }
         };
         if factor > 0.0 && factor.is_finite() {
             Ok(Some(factor))
@@ -74,14 +86,14 @@ mod tests {
 
     #[test]
     fn factors_and_stops() {
-        assert_eq!(Exposure::Auto.given().unwrap(), None);
-        assert_eq!(Exposure::Factor(0.25).given().unwrap(), Some(0.25));
-        assert_eq!(Exposure::Stops(-2.0).given().unwrap(), Some(0.25));
+        assert_eq!(Exposure::Auto.given(80.0, Photometry::Relative).unwrap(), None);
+        assert_eq!(Exposure::Factor(0.25).given(80.0, Photometry::Relative).unwrap(), Some(0.25));
+        assert_eq!(Exposure::Stops(-2.0).given(80.0, Photometry::Relative).unwrap(), Some(0.25));
         assert_eq!(
-            Exposure::Factor(0.0).given().unwrap_err().to_string(),
+            Exposure::Factor(0.0).given(80.0, Photometry::Relative).unwrap_err().to_string(),
             "exposure: factor is 0, allowed: a finite factor above 0"
         );
-        assert!(Exposure::Stops(f64::NAN).given().is_err());
-        assert!(Exposure::Stops(1e9).given().is_err());
+        assert!(Exposure::Stops(f64::NAN).given(80.0, Photometry::Relative).is_err());
+        assert!(Exposure::Stops(1e9).given(80.0, Photometry::Relative).is_err());
     }
 }

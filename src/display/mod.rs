@@ -1,5 +1,6 @@
 //! What a person sees on a given monitor: the display model (eq. 5 to 8), exposure, tone, gamut.
 
+mod camera;
 mod convolve;
 mod curve;
 mod exposure;
@@ -13,12 +14,13 @@ mod table;
 mod tone;
 mod verify;
 
-pub use curve::{Curve, Toe};
-pub use exposure::Exposure;
+pub use camera::Camera;
+pub use curve::{Curve, PQ_MAX_CD_M2, Toe};
+pub use exposure::{DUSK_CD_M2, Exposure};
 pub use fit::{ChannelFit, DisplayFit, DisplayMeasurement, Light, RampPatch, fit_display};
 pub use gamut::{Gamut, GamutMap, GamutReport};
 pub use glare::{Glare, GlareReport, apply_glare};
-pub use look::{Developed, DisplayImage, Look};
+pub use look::{Developed, DisplayImage, Latent, Look};
 pub use model::{CHANNELS, Display, DisplayParameters};
 pub use table::{read_patches, read_ramps};
 pub use tone::{MIDDLE_GRAY, Tone, ToneCurve};

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::curve::Curve;
+use super::curve::{Curve, PQ_MAX_CD_M2};
 use crate::color::{self, Xyz};
 use crate::error::{Error, Result};
 
@@ -92,6 +92,100 @@ impl Display {
         }
     }
 
+    /// Names of the displays that the program knows.
+    pub const NAMES: [&'static str; 6] =
+        ["eizo_t766", "p3", "p3_pq", "rec2020", "rec2020_pq", "srgb"];
+
+    /// The display of that name, HDR ones with a peak of [`Display::PEAK_CD_M2`]; `None` for
+    /// others than [`Display::NAMES`].
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "eizo_t766" => Some(Self::eizo_t766()),
+            "p3" => Some(Self::p3()),
+            "p3_pq" => Self::p3_pq(Self::PEAK_CD_M2).ok(),
+            "rec2020" => Some(Self::rec2020()),
+            "rec2020_pq" => Self::rec2020_pq(Self::PEAK_CD_M2).ok(),
+            "srgb" => Some(Self::srgb()),
+            _ => None,
+        }
+    }
+
+    /// Peak of an HDR display of which nothing else is said, cd/m²: HDR10 mastering monitors'.
+    pub const PEAK_CD_M2: f64 = 1000.0;
+
+    /// Display P3 (SMPTE EG 432-1's primaries, D65, sRGB's curve) of 80 cd/m², no black.
+    pub fn p3() -> Self {
+        Self::additive("Display P3", P3_XY, 80.0, Curve::SRGB, 8)
+    }
+
+    /// ITU-R BT.2020's primaries with sRGB's curve, D65 of 80 cd/m², no black.
+    ///
+    /// The curve of BT.2020 itself is a camera's: programs disagree on what it shows.
+    pub fn rec2020() -> Self {
+        Self::additive("Rec. 2020", REC2020_XY, 80.0, Curve::SRGB, 8)
+    }
+
+    /// An HDR display with P3's primaries: PQ up to `peak_cd_m2`, 16 bits.
+    ///
+    /// Errors: [`Error::OutOfRange`] for a peak that is not above 0 and at most 10,000 cd/m².
+    pub fn p3_pq(peak_cd_m2: f64) -> Result<Self> {
+        check_peak(peak_cd_m2)?;
+        Ok(Self::additive("P3 PQ", P3_XY, peak_cd_m2, Curve::pq(peak_cd_m2), 16))
+    }
+
+    /// An HDR display with BT.2020's primaries (HDR10); as [`Display::p3_pq`].
+    ///
+    /// Errors: as [`Display::p3_pq`].
+    pub fn rec2020_pq(peak_cd_m2: f64) -> Result<Self> {
+        check_peak(peak_cd_m2)?;
+        Ok(Self::additive("Rec. 2020 PQ", REC2020_XY, peak_cd_m2, Curve::pq(peak_cd_m2), 16))
+    }
+
+    /// D65 at full output, no black.
+    fn additive(name: &str, xy: [[f64; 2]; 3], white_cd_m2: f64, curve: Curve, bits: u32) -> Self {
+        let xyz_from_rgb = color::xyz_from_primaries(xy, color::D65_XY) * white_cd_m2;
+        Self {
+            name: name.to_owned(),
+            curves: [curve; 3],
+            xyz_from_rgb,
+            rgb_from_xyz: xyz_from_rgb.inverse(),
+            black: Xyz::default(),
+            bits,
+        }
+    }
+
+    /// The same display, driven with `bits` bits.
+    ///
+    /// Errors: [`Error::OutOfRange`] for other than 1 to 16.
+    pub fn with_bits(mut self, bits: u32) -> Result<Self> {
+        check((1..=16).contains(&bits), "bits", f64::from(bits), "1 to 16")?;
+        self.bits = bits;
+        Ok(self)
+    }
+
+    /// Whether digits stand for luminances and not for shares of the display's white.
+    pub fn is_absolute(&self) -> bool {
+        self.curves[0].pq_peak_cd_m2.is_some()
+    }
+
+    /// Primaries, transfer, matrix and range by ITU-T H.273, where it has numbers for them.
+    pub fn code_points(&self) -> Option<[u8; 4]> {
+        let transfer = match self.curves {
+            curves if curves == [Curve::SRGB; 3] => 13,
+            curves if curves.iter().all(|curve| curve.pq_peak_cd_m2.is_some()) => 16,
+            _ => return None,
+        };
+        let relative = self.xyz_from_rgb * (1.0 / self.white().y);
+        let is_of = |xy| {
+            let own = color::xyz_from_primaries(xy, color::D65_XY);
+            // A manifest's decimals may round once.
+            relative.abs_diff_eq(own, 1e-9) && self.black == Xyz::default()
+        };
+        let primaries = [(9, REC2020_XY), (12, P3_XY)].into_iter().find(|(_, xy)| is_of(*xy));
+        primaries.map(|(number, _)| [number, transfer, 0, 1])
+    }
+
+    /// What the display is called.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -115,7 +209,8 @@ impl Display {
 
     /// Whether the digits are those of sRGB, so that files may say so without a profile.
     pub fn is_srgb(&self) -> bool {
-        self.curves == [Curve::SRGB; 3] && *self == Self::srgb()
+        let srgb = Self { bits: self.bits, ..Self::srgb() };
+        self.curves == [Curve::SRGB; 3] && *self == srgb
     }
 
     /// 2ⁿ − 1.
@@ -160,6 +255,16 @@ impl Display {
     pub fn digits_from_xyz(&self, color: Xyz) -> Option<[u16; 3]> {
         self.digits_from_linear(self.linear_from_xyz(color))
     }
+}
+
+/// SMPTE EG 432-1.
+const P3_XY: [[f64; 2]; 3] = [[0.68, 0.32], [0.265, 0.69], [0.15, 0.06]];
+/// ITU-R BT.2020-2.
+const REC2020_XY: [[f64; 2]; 3] = [[0.708, 0.292], [0.17, 0.797], [0.131, 0.046]];
+
+fn check_peak(peak_cd_m2: f64) -> Result<()> {
+    let good = peak_cd_m2 > 0.0 && peak_cd_m2 <= PQ_MAX_CD_M2;
+    check(good, "peak", peak_cd_m2, "above 0, to 10000 cd/m²")
 }
 
 /// Names of the channels, in order.
@@ -211,6 +316,41 @@ mod tests {
         assert_eq!(srgb.digits_from_xyz(d65), Some([255; 3]));
         assert_eq!(srgb.digits_from_xyz(Xyz::default()), Some([0; 3]));
         assert!(srgb.is_srgb() && !Display::eizo_t766().is_srgb());
+    }
+
+    #[test]
+    fn displays_of_today_have_their_code_points_and_white() {
+        let pq = |display: Result<Display>| display.unwrap();
+        let displays = [
+            (Display::p3(), [12, 13, 0, 1], 80.0),
+            (Display::rec2020(), [9, 13, 0, 1], 80.0),
+            (pq(Display::p3_pq(1000.0)), [12, 16, 0, 1], 1000.0),
+            (pq(Display::rec2020_pq(600.0)), [9, 16, 0, 1], 600.0),
+        ];
+        for (display, code_points, white_cd_m2) in displays {
+            assert_eq!(display.code_points(), Some(code_points), "{}", display.name());
+            let white = display.white();
+            assert!((white.y / white_cd_m2 - 1.0).abs() < 1e-12, "{}: {white:?}", display.name());
+            let [x, y] = white.chromaticity().unwrap();
+            assert!((x - 0.3127).abs() < 1e-12 && (y - 0.329).abs() < 1e-12, "{x} {y}");
+        }
+        assert_eq!(Display::srgb().code_points(), None, "the sRGB chunk says it");
+        assert_eq!(
+            Display::p3_pq(10_001.0).unwrap_err().to_string(),
+            "display: peak is 10001, allowed: above 0, to 10000 cd/m²"
+        );
+    }
+
+    /// Absolute luminance goes through 16 bits of PQ within 0.05 %, from 0.1 cd/m² to the peak.
+    #[test]
+    fn pq_keeps_luminance() {
+        let display = Display::rec2020_pq(1000.0).unwrap();
+        for luminance in [0.1, 1.0, 10.0, 100.0, 999.0] {
+            let wanted = Xyz::from_xy(color::D65_XY, luminance);
+            let digits = display.digits_from_xyz(wanted).unwrap().map(f64::from);
+            let shown = display.xyz_from_digits(digits);
+            assert!((shown.y / luminance - 1.0).abs() < 5e-4, "{luminance}: {}", shown.y);
+        }
     }
 
     #[test]

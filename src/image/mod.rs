@@ -1,6 +1,7 @@
 //! What a render returns, and its tristimulus values.
 
 pub mod difference;
+mod sum;
 
 use std::collections::BTreeMap;
 
@@ -12,6 +13,8 @@ use crate::error::{Error, Result};
 use crate::spectrum::{WavelengthGrid, cie};
 use crate::statistics::percentile;
 use crate::view::View;
+
+pub use sum::weighted_sum;
 
 /// Percentile of luminance that a picture shows as white, unless it is told its exposure.
 pub const AUTO_PERCENT: f64 = 99.5;

@@ -1,8 +1,9 @@
 //! Images as OpenEXR files in the spectral layout of Fichet, Pacanowski & Wilkie, JCGT 10(3), 2021.
 //!
-//! Channels, all 32-bit float, ZIP: `X Y Z` (eq. 4), `R G B` (linear Rec. 709 of them), one a
-//! band (`S0.380,000000nm`, a comma because a dot would part layers), and `error` and `samples`
-//! where the image has them. The layout's one legal unit has no nm⁻¹, yet its reference code
+//! Channels, 32-bit float, ZIP: `R G B` (linear Rec. 709) and `CIE.X CIE.Y CIE.Z` (eq. 4, in a
+//! layer of their own: programs that know XYZ channels mean other things by them), one a band
+//! (`S0.380,000000nm`, a comma because a dot would part layers), and `error` and `samples` where
+//! the image has them. [`ExrBands`] makes files smaller. The layout's one legal unit has no nm⁻¹, yet its reference code
 //! integrates the bands over λ: they are samples of a density, and [`DENSITY`] says so.
 
 use std::fs::File;
@@ -10,14 +11,14 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use ::exr::image::Blocks;
+use ::exr::meta::attribute::Chromaticities;
 use ::exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, Layer,
-    LayerAttributes, LineOrder, MetaData, ReadChannels, ReadLayers, Text, WritableImage, read,
+    LayerAttributes, LineOrder, MetaData, ReadChannels, ReadLayers, Text, WritableImage, f16, read,
 };
 
 use super::atomic::write_atomically;
-use crate::color::Photometry;
-use crate::color::rec709_from_xyz;
+use crate::color::{D65_XY, Photometry, REC709_XY, rec709_from_xyz};
 use crate::error::{Error, Place, Result};
 use crate::image::{Metadata, SpectralImage};
 use crate::spectrum::WavelengthGrid;
@@ -27,25 +28,51 @@ pub const DENSITY: &str = "spectralDensity";
 /// Attributes of our own: this before a key of [`Metadata`], or before `photometry`.
 pub const PREFIX: &str = "lampyris.";
 
+/// How an EXR file holds the spectra.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ExrBands {
+    /// 32-bit floats: the file reads back bit for bit.
+    #[default]
+    Float,
+    /// 16-bit floats, scaled so that the largest value lies near their top: relative error 2⁻¹¹
+    /// over nine decades.
+    Half,
+    /// Floats of 24 bits (PXR24), colors too: relative error 2⁻¹⁶.
+    Pxr24,
+    /// Only the colors; such a file does not read back.
+    None,
+}
+
+/// Writes `image` to `path` with all its bits; see [`write_exr_as`].
+///
+/// Errors: as [`write_exr_as`].
+pub fn write_exr(path: &Path, image: &SpectralImage) -> Result<()> {
+    write_exr_as(path, image, ExrBands::Float)
+}
+
 /// Writes `image` to `path`, whole or not at all; equal images give equal bytes.
 ///
 /// Errors: [`Error::Io`]; [`Error::Inconsistent`] for an image without pixels.
-pub fn write_exr(path: &Path, image: &SpectralImage) -> Result<()> {
+pub fn write_exr_as(path: &Path, image: &SpectralImage, bands: ExrBands) -> Result<()> {
     if image.width == 0 || image.height == 0 {
         return Err(Error::inconsistent("image", "has no pixels"));
     }
     let layer = Layer::new(
         (image.width, image.height),
-        attributes(image),
+        attributes(image, bands),
         Encoding {
-            compression: Compression::ZIP16,
+            compression: match bands {
+                ExrBands::Pxr24 => Compression::PXR24,
+                _ => Compression::ZIP16,
+            },
             blocks: Blocks::ScanLines,
             // In order, whichever thread compressed a block.
             line_order: LineOrder::Increasing,
         },
-        AnyChannels::sort(channels(image).into_iter().collect()),
+        AnyChannels::sort(channels(image, bands).into_iter().collect()),
     );
-    let exr = Image::from_layer(layer);
+    let mut exr = Image::from_layer(layer);
+    exr.attributes.chromaticities = Some(rec709_chromaticities());
     write_atomically(path, |file| {
         exr.write().to_unbuffered(&mut *file).map_err(io_error)?;
         sort_attributes(file)
@@ -59,24 +86,48 @@ fn io_error(error: ::exr::error::Error) -> io::Error {
     }
 }
 
-fn channels(image: &SpectralImage) -> Vec<AnyChannel<FlatSamples>> {
+fn rec709_chromaticities() -> Chromaticities {
+    let [red, green, blue] = REC709_XY.map(|[x, y]| ::exr::math::Vec2(x as f32, y as f32));
+    let [x, y] = D65_XY;
+    Chromaticities { red, green, blue, white: ::exr::math::Vec2(x as f32, y as f32) }
+}
+
+fn channels(image: &SpectralImage, bands: ExrBands) -> Vec<AnyChannel<FlatSamples>> {
     let xyz: Vec<[f64; 3]> = image.to_xyz().pixels.into_iter().map(Into::into).collect();
     let rgb: Vec<[f64; 3]> = xyz.iter().map(|&c| rec709_from_xyz(c.into())).collect();
     let mut channels = Vec::new();
-    for (names, pixels) in [(["X", "Y", "Z"], &xyz), (["R", "G", "B"], &rgb)] {
+    for (names, pixels) in [(["CIE.X", "CIE.Y", "CIE.Z"], &xyz), (["R", "G", "B"], &rgb)] {
         for (c, name) in names.into_iter().enumerate() {
             channels.push(channel(name, pixels.iter().map(|p| p[c] as f32).collect()));
         }
     }
     let stride = image.grid.bands();
+    let scale = half_scale(image);
     for (band, lambda_nm) in image.grid.wavelengths_nm().enumerate() {
-        let values = image.bands.iter().skip(band).step_by(stride).copied().collect();
-        channels.push(channel(&band_name(lambda_nm), values));
+        let values = image.bands.iter().skip(band).step_by(stride).copied();
+        let name = band_name(lambda_nm);
+        match bands {
+            ExrBands::None => break,
+            ExrBands::Float | ExrBands::Pxr24 => channels.push(channel(&name, values.collect())),
+            ExrBands::Half => {
+                let halves = values.map(|value| f16::from_f32(value / scale)).collect();
+                channels.push(AnyChannel::new(name.as_str(), FlatSamples::F16(halves)));
+            }
+        }
     }
     for (name, values) in [(ERROR, &image.error), (SAMPLES, &image.samples)] {
         channels.extend(values.as_ref().map(|values| channel(name, values.clone())));
     }
     channels
+}
+
+/// The power of two that brings the largest band below 2¹⁵, half of what a half can hold.
+fn half_scale(image: &SpectralImage) -> f32 {
+    let largest = image.bands.iter().fold(0f32, |most, &value| most.max(value.abs()));
+    if !(largest > 0.0 && largest.is_finite()) {
+        return 1.0;
+    }
+    (largest.log2().ceil().clamp(-110.0, 120.0) - 15.0).exp2()
 }
 
 const ERROR: &str = "error";
@@ -95,12 +146,16 @@ fn band_wavelength_nm(channel: &str) -> Option<f64> {
     channel.strip_prefix("S0.")?.strip_suffix("nm")?.replace(',', ".").parse().ok()
 }
 
-fn attributes(image: &SpectralImage) -> LayerAttributes {
+fn attributes(image: &SpectralImage, bands: ExrBands) -> LayerAttributes {
     let density = match image.photometry {
         Photometry::Absolute => "per nm",
         Photometry::Relative => "per nm, relative: without an absolute unit",
     };
     let mut attributes = LayerAttributes::default();
+    if image.photometry == Photometry::Absolute {
+        // RGB (1, 1, 1) is Y = 1 cd/m².
+        attributes.white_luminance = Some(1.0);
+    }
     let mut set = |key: &str, value: &str| {
         attributes.other.insert(text(key), AttributeValue::Text(text(value)));
     };
@@ -108,6 +163,9 @@ fn attributes(image: &SpectralImage) -> LayerAttributes {
     set("emissiveUnits", "W.m^-2.sr^-1");
     set(DENSITY, density);
     set(&format!("{PREFIX}{PHOTOMETRY}"), photometry_name(image.photometry));
+    if bands == ExrBands::Half {
+        set(&format!("{PREFIX}{BAND_SCALE}"), &half_scale(image).to_string());
+    }
     for (key, value) in &image.metadata {
         set(&format!("{PREFIX}{key}"), value);
     }
@@ -115,6 +173,8 @@ fn attributes(image: &SpectralImage) -> LayerAttributes {
 }
 
 const PHOTOMETRY: &str = "photometry";
+/// What the bands of the file are to be multiplied by.
+const BAND_SCALE: &str = "band_scale";
 
 fn photometry_name(photometry: Photometry) -> &'static str {
     match photometry {
@@ -218,7 +278,7 @@ fn read_error(path: &Path, error: ::exr::error::Error) -> Error {
     }
 }
 
-/// Reads a file of [`write_exr`], bit for bit.
+/// Reads a file of [`write_exr`], bit for bit; with its view, where the metadata tells it.
 ///
 /// Errors: [`Error::Io`]; [`Error::BadFile`] if it is no EXR file, or its bands are not 380 to
 /// 780 nm in steps of 5, 10 or 20 nm.
@@ -239,8 +299,16 @@ pub fn read_exr(path: &Path) -> Result<SpectralImage> {
         .map_err(|e| read_error(path, e))?;
     let mut image = SpectralImage::new(info.width, info.height, grid, photometry_of(&info));
     image.metadata = own_metadata(&info);
+    image.view = image.metadata.get("view").and_then(|view| view.parse().ok());
     for channel in exr.layer_data.channel_data.list {
         place_channel(&mut image, &string(&channel.name), &channel.sample_data);
+    }
+    let scale = info.attributes.get(&format!("{PREFIX}{BAND_SCALE}")).map(|text| text.parse());
+    if let Some(scale) = scale {
+        let scale: f32 = scale.map_err(|_| {
+            Error::bad_file(path, Place::File, format!("{PREFIX}{BAND_SCALE} is no number"))
+        })?;
+        image.bands.iter_mut().for_each(|value| *value *= scale);
     }
     Ok(image)
 }
@@ -269,7 +337,7 @@ fn photometry_of(info: &ExrInfo) -> Photometry {
 fn own_metadata(info: &ExrInfo) -> Metadata {
     let own = info.attributes.iter();
     own.filter_map(|(key, value)| Some((key.strip_prefix(PREFIX)?.to_owned(), value.clone())))
-        .filter(|(key, _)| key != PHOTOMETRY)
+        .filter(|(key, _)| key != PHOTOMETRY && key != BAND_SCALE)
         .collect()
 }
 
@@ -340,7 +408,8 @@ mod tests {
         write_exr(&path, &image(WavelengthGrid::Step5)).unwrap();
         let info = read_exr_info(&path).unwrap();
         assert_eq!((info.width, info.height, info.channels.len()), (37, 21, 6 + 81 + 2));
-        for name in ["X", "Y", "Z", "R", "G", "B", "S0.380,000000nm", "S0.555,000000nm"] {
+        for name in ["CIE.X", "CIE.Y", "CIE.Z", "R", "G", "B", "S0.380,000000nm", "S0.555,000000nm"]
+        {
             assert!(info.channels.iter().any(|c| c == name), "{name}");
         }
         assert_eq!(info.wavelengths_nm.len(), 81);
@@ -367,10 +436,50 @@ mod tests {
         };
         let xyz = flat.mean_xyz(Region::pixel(1, 0)).unwrap();
         let rgb = rec709_from_xyz(xyz);
-        for (name, expected) in [("X", xyz.x), ("Y", xyz.y), ("Z", xyz.z), ("G", rgb[1])] {
+        let names = ["CIE.X", "CIE.Y", "CIE.Z", "G"];
+        for (name, expected) in names.into_iter().zip([xyz.x, xyz.y, xyz.z, rgb[1]]) {
             // One rounding to f32.
             assert!((f64::from(value(name)) - expected).abs() <= 1e-7 * expected, "{name}");
         }
+    }
+
+    #[test]
+    fn colors_say_what_they_are() {
+        let scratch = Scratch::new();
+        let path = scratch.path("i.exr");
+        for (photometry, luminance) in
+            [(Photometry::Absolute, Some(1.0)), (Photometry::Relative, None)]
+        {
+            let image = SpectralImage::new(2, 1, WavelengthGrid::Step20, photometry);
+            write_exr(&path, &image).unwrap();
+            let exr = ::exr::prelude::read_first_flat_layer_from_file(&path).unwrap();
+            assert_eq!(exr.layer_data.attributes.white_luminance, luminance);
+            let chromaticities = exr.attributes.chromaticities.unwrap();
+            assert_eq!(chromaticities.red, ::exr::math::Vec2(0.64, 0.33));
+        }
+    }
+
+    #[test]
+    fn small_files_keep_what_they_say() {
+        let scratch = Scratch::new();
+        let path = scratch.path("i.exr");
+        let mut written = SpectralImage::new(31, 9, WavelengthGrid::Step20, Photometry::Absolute);
+        for (at, value) in written.bands.iter_mut().enumerate() {
+            *value = 3e-9 * 1.013f32.powi((at % 1500) as i32);
+        }
+        for (bands, tolerance) in [(ExrBands::Half, 4.9e-4), (ExrBands::Pxr24, 1.54e-5)] {
+            write_exr_as(&path, &written, bands).unwrap();
+            let read = read_exr(&path).unwrap();
+            let largest = written.bands.iter().copied().fold(0.0, f32::max);
+            for (read, value) in read.bands.iter().zip(&written.bands) {
+                // Below its normal numbers a half has fewer bits.
+                let allowed = tolerance * value.max(largest * 2e-9);
+                assert!((read - value).abs() <= allowed, "{bands:?}: {value} became {read}");
+            }
+            assert_eq!(read.metadata, written.metadata);
+        }
+        write_exr_as(&path, &written, ExrBands::None).unwrap();
+        assert!(read_exr(&path).unwrap_err().to_string().contains("has no spectral bands"));
     }
 
     #[test]

@@ -34,6 +34,19 @@ pub enum ColorSpace {
     Srgb,
     /// An ICC profile, as the iCCP chunk.
     Icc(Vec<u8>),
+    /// Primaries, transfer, matrix and range of ITU-T H.273, as the cICP chunk of PNG's third
+    /// edition, and a profile for those who do not read it.
+    CodePoints { points: [u8; 4], icc: Option<Vec<u8>> },
+}
+
+impl ColorSpace {
+    fn profile(&self) -> Option<&[u8]> {
+        match self {
+            Self::Srgb => None,
+            Self::Icc(profile) => Some(profile),
+            Self::CodePoints { icc, .. } => icc.as_deref(),
+        }
+    }
 }
 
 /// Writes `raster` to `path`, whole or not at all; equal rasters give equal bytes.
@@ -63,9 +76,7 @@ pub fn encode_png(out: impl io::Write, raster: &Raster) -> io::Result<()> {
         Samples::Eight(_) => ::png::BitDepth::Eight,
         Samples::Sixteen(_) => ::png::BitDepth::Sixteen,
     };
-    if let ColorSpace::Icc(profile) = &raster.color_space {
-        info.icc_profile = Some(Cow::Borrowed(profile));
-    }
+    info.icc_profile = raster.color_space.profile().map(Cow::Borrowed);
     let mut encoder = ::png::Encoder::with_info(out, info)?;
     if raster.color_space == ColorSpace::Srgb {
         encoder.set_source_srgb(::png::SrgbRenderingIntent::RelativeColorimetric);
@@ -75,6 +86,9 @@ pub fn encode_png(out: impl io::Write, raster: &Raster) -> io::Result<()> {
         encoder.add_itxt_chunk(key.clone(), value.clone())?;
     }
     let mut writer = encoder.write_header()?;
+    if let ColorSpace::CodePoints { points, .. } = &raster.color_space {
+        writer.write_chunk(::png::chunk::ChunkType(*b"cICP"), points)?;
+    }
     writer.write_image_data(&raster.samples.bytes())?;
     writer.finish()?;
     Ok(())
@@ -112,9 +126,19 @@ pub fn read_png(path: &Path) -> Result<(Raster<'static>, u32)> {
             return Err(bad(format!("holds {kind:?} of {depth:?}, expected RGB of 8 or 16 bits")));
         }
     };
-    let color_space = match &info.icc_profile {
-        Some(profile) => ColorSpace::Icc(profile.to_vec()),
-        None => ColorSpace::Srgb,
+    let icc = info.icc_profile.as_ref().map(|profile| profile.to_vec());
+    let color_space = match (&info.coding_independent_code_points, icc) {
+        (Some(points), icc) => ColorSpace::CodePoints {
+            points: [
+                points.color_primaries,
+                points.transfer_function,
+                points.matrix_coefficients,
+                u8::from(points.is_video_full_range_image),
+            ],
+            icc,
+        },
+        (None, Some(icc)) => ColorSpace::Icc(icc),
+        (None, None) => ColorSpace::Srgb,
     };
     let (width, height) = (info.width as usize, info.height as usize);
     Ok((Raster { width, height, samples, color_space, metadata: Metadata::new() }, bits))
@@ -132,9 +156,12 @@ pub fn display_raster(image: &DisplayImage, display: &Display) -> Result<Raster<
             digits.map(|&d| ((u32::from(d) * 65535 + full / 2) / full) as u16).collect(),
         ),
     };
-    let color_space = match display.is_srgb() {
-        true => ColorSpace::Srgb,
-        false => ColorSpace::Icc(display.icc_profile()?),
+    let color_space = match display.code_points() {
+        _ if display.is_srgb() => ColorSpace::Srgb,
+        None => ColorSpace::Icc(display.icc_profile()?),
+        // No curve of an ICC profile means absolute luminance.
+        Some(points) if display.is_absolute() => ColorSpace::CodePoints { points, icc: None },
+        Some(points) => ColorSpace::CodePoints { points, icc: Some(display.icc_profile()?) },
     };
     let (width, height) = (image.width, image.height);
     Ok(Raster { width, height, samples, color_space, metadata: Metadata::new() })
@@ -189,6 +216,24 @@ mod tests {
         assert_eq!(read.color_space, ColorSpace::Icc(display.icc_profile().unwrap()));
         assert_eq!(info.srgb, None);
         assert_eq!(*info.icc_profile.unwrap(), display.icc_profile().unwrap());
+    }
+
+    #[test]
+    fn wide_gamut_files_carry_code_points() {
+        let scratch = Scratch::new();
+        let path = scratch.path("i.png");
+        for (display, points, has_profile) in [
+            (Display::p3(), [12, 13, 0, 1], true),
+            (Display::rec2020_pq(1000.0).unwrap(), [9, 16, 0, 1], false),
+        ] {
+            write_png(&path, &display_raster(&image(vec![[9, 8, 7]]), &display).unwrap()).unwrap();
+            let (raster, bits) = read_png(&path).unwrap();
+            assert_eq!(bits, display.bits());
+            let ColorSpace::CodePoints { points: read, icc } = raster.color_space else {
+                panic!("no cICP chunk");
+            };
+            assert_eq!((read, icc.is_some()), (points, has_profile));
+        }
     }
 
     #[test]

@@ -2,7 +2,11 @@
 
 use std::path::Path;
 
-use lampyris::output::read_exr;
+use lampyris::color::Photometry;
+use lampyris::display::{Exposure, Look};
+use lampyris::image::{SpectralImage, weighted_sum};
+use lampyris::output::{Samples, develop_png, read_exr, read_png};
+use lampyris::spectrum::WavelengthGrid;
 
 use crate::stage::{run_script, scratch};
 
@@ -46,5 +50,49 @@ fn compare(image: &Path, expected: &Path) {
         })
     };
     let share = rows.iter().filter(agrees).count() as f64 / rows.len() as f64;
-    assert!(share >= PIXELS_THAT_AGREE, "{}: {share} of the pixels agree", image.display());
+    if share < PIXELS_THAT_AGREE {
+        let pictures = write_pictures(image, &rendered, &rows);
+        panic!("{}: {share} of the pixels agree; see {pictures}", image.display());
+    }
+}
+
+/// Writes what was expected, what came, and their difference, exposed alike; says where.
+fn write_pictures(path: &Path, rendered: &SpectralImage, rows: &[Vec<f64>]) -> String {
+    let mut expected = rendered.clone();
+    let bands = rendered.grid.bands();
+    for row in rows {
+        let start = (row[1] as usize * rendered.width + row[0] as usize) * bands;
+        let places = &mut expected.bands[start..start + bands];
+        places.iter_mut().zip(&row[2..]).for_each(|(place, &value)| *place = value as f32);
+    }
+    let mut difference = weighted_sum(&[(1.0, rendered), (-1.0, &expected)]).expect("of one size");
+    difference.bands.iter_mut().for_each(|value| *value = value.abs());
+    let look = Look::paper();
+    let factor = look.factor(&look.latent(&expected).expect("finite")).expect("pixels");
+    let look = Look { exposure: Exposure::Factor(factor), ..look };
+    let stem = path.with_extension("");
+    for (name, image) in
+        [("expected", &expected), ("actual", rendered), ("difference", &difference)]
+    {
+        let picture = format!("{}_{name}.png", stem.display());
+        develop_png(Path::new(&picture), image, &look).expect("a written picture");
+    }
+    format!("{}_{{expected,actual,difference}}.png", stem.display())
+}
+
+#[test]
+fn a_golden_that_fails_leaves_pictures() {
+    let out = scratch("goldens_that_fail");
+    let image = SpectralImage::new(2, 1, WavelengthGrid::Step20, Photometry::Relative);
+    let rows: Vec<Vec<f64>> =
+        [0.0, 1.0].iter().map(|&x| [vec![x, 0.0], vec![1.0; 21]].concat()).collect();
+    std::fs::create_dir_all(&out).expect("a folder");
+    let place = write_pictures(&out.join("case.exr"), &image, &rows);
+    assert!(place.ends_with("case_{expected,actual,difference}.png"), "{place}");
+    let digits = |name: &str| {
+        let raster = read_png(&out.join(format!("case_{name}.png"))).expect("a picture").0;
+        raster.samples
+    };
+    assert_eq!(digits("expected"), digits("difference"), "all of it is missing");
+    assert_eq!(digits("actual"), Samples::Eight(vec![0; 6].into()));
 }

@@ -2,6 +2,7 @@
 
 mod closed_cases;
 mod determinism;
+mod example;
 mod goldens;
 mod intensity;
 mod lens_colors;

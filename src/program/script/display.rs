@@ -3,12 +3,12 @@
 use std::io::Write;
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
+use mlua::{Lua, MetaMethod, MultiValue, Table, UserData, UserDataFields, UserDataMethods, Value};
 
-use super::options::{self, Arguments, Options, Range};
+use super::options::{self, Arguments, Ends, Options, Range};
 use super::{display_fit, fault, host};
 use crate::color::Xyz;
-use crate::display::{CHANNELS, ChannelFit, Curve, Display, DisplayParameters};
+use crate::display::{CHANNELS, ChannelFit, Curve, Display, DisplayParameters, PQ_MAX_CD_M2};
 use crate::error::Error;
 use crate::output;
 
@@ -41,6 +41,11 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     let table = lua.create_table()?;
     table.set("eizo_t766", LuaDisplay::from(Display::eizo_t766()))?;
     table.set("srgb", LuaDisplay::from(Display::srgb()))?;
+    table.set("p3", LuaDisplay::from(Display::p3()))?;
+    table.set("rec2020", LuaDisplay::from(Display::rec2020()))?;
+    table.set("p3_pq", fault::function(lua, |_, a| pq("display.p3_pq", a, Display::p3_pq))?)?;
+    let rec2020_pq = |_: &Lua, a| pq("display.rec2020_pq", a, Display::rec2020_pq);
+    table.set("rec2020_pq", fault::function(lua, rec2020_pq)?)?;
     table.set("new", fault::function(lua, |_, a| new(Arguments::new("display.new", a, 1)?))?)?;
     table.set(
         "fit",
@@ -54,6 +59,19 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     )?;
     fault::refuse_unknown_names(lua, &table, "lampyris.display")?;
     module.set("display", table)
+}
+
+/// `{ peak = 1000, bits = 16 }`.
+fn pq(
+    object: &'static str,
+    arguments: MultiValue,
+    display: fn(f64) -> crate::Result<Display>,
+) -> mlua::Result<LuaDisplay> {
+    let options = Arguments::new(object, arguments, 1)?.options(&["bits", "peak"])?;
+    let peaks = Range { ends: Ends::MinExcluded, ..Range::new(0.0, PQ_MAX_CD_M2, "cd/m²") };
+    let peak_cd_m2 = options.number_or("peak", peaks, Display::PEAK_CD_M2)?;
+    let bits = options.count("bits", 1, 16)?.unwrap_or(16) as u32;
+    Ok(display(peak_cd_m2)?.with_bits(bits)?.into())
 }
 
 fn new(mut arguments: Arguments) -> mlua::Result<LuaDisplay> {
@@ -73,6 +91,7 @@ fn new(mut arguments: Arguments) -> mlua::Result<LuaDisplay> {
             offset: offsets[c],
             gamma: gammas[c],
             toe: None,
+            pq_peak_cd_m2: None,
         }),
         matrix: matrix(&options)?,
         black: black(&options)?,

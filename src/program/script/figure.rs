@@ -8,7 +8,7 @@ use super::image::{self, LuaImage};
 use super::options::{self, Arguments, Options, Range};
 use super::{fault, host};
 use crate::color::Photometry;
-use crate::display::Display;
+use crate::display::{Display, Look};
 use crate::error::Error;
 use crate::image::Region;
 use crate::program::figure::{
@@ -26,8 +26,18 @@ const FIGURE_KEYS: [&str; 5] = ["columns", "height", "panels", "title", "width"]
 const CHART_KEYS: [&str; 4] = ["series", "title", "x", "y"];
 const SEGMENTS_KEYS: [&str; 4] = ["azimuth", "elevation", "segments", "title"];
 pub(super) const FALSE_COLOR_KEYS: [&str; 3] = ["label", "log", "range"];
-const IMAGE_KEYS: [&str; 8] =
-    ["crop", "exposure", "false_color", "gamut", "glare", "image", "title", "tone"];
+const IMAGE_KEYS: [&str; 10] = [
+    "camera",
+    "crop",
+    "exposure",
+    "false_color",
+    "gamut",
+    "glare",
+    "image",
+    "look",
+    "title",
+    "tone",
+];
 
 const DEFAULT_SIZE: [u32; 2] = [800, 600];
 
@@ -164,7 +174,7 @@ fn range(options: &Options) -> mlua::Result<Option<[f64; 2]>> {
 }
 
 /// A list of N numbers.
-fn numbers<const N: usize>(
+pub(super) fn numbers<const N: usize>(
     object: &str,
     what: &str,
     value: &Value,
@@ -245,7 +255,8 @@ fn picture(options: &Options) -> mlua::Result<RasterPanel> {
     let panel = match false_colors(options, &image)? {
         Some(colors) => false_color(&image.xyz_image(), &colors)?,
         None => {
-            let look = image::look(options, Display::srgb())?;
+            // A figure is an sRGB picture.
+            let look = Look { display: Display::srgb(), ..image::look(options)? };
             let shown = look.develop(image.spectral())?.picture;
             let pixels = shown.digits.iter().map(|digits| digits.map(|digit| digit as u8));
             RasterPanel {

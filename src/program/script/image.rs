@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use mlua::{Function, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
+use super::camera::LuaCamera;
 use super::display::LuaDisplay;
 use super::host::Host;
 use super::options::{self, Arguments, Options, Range};
@@ -11,11 +12,11 @@ use super::spectrum::LuaSpectrum;
 use super::view::MAX_SIDE;
 use super::{fault, figure, host};
 use crate::color::Photometry;
-use crate::display::{Developed, Display, Exposure, Gamut, GamutReport, Glare, Look, Tone};
+use crate::display::{Developed, Exposure, Gamut, GamutReport, Glare, Look, Tone};
 use crate::error::Error;
 use crate::image::difference::ImageDifference;
-use crate::image::{Region, SpectralImage, XyzImage};
-use crate::output;
+use crate::image::{Region, SpectralImage, XyzImage, weighted_sum};
+use crate::output::{self, ExrBands};
 use crate::program::intensity;
 use crate::program::memory;
 use crate::render::{RenderStats, TargetReport};
@@ -30,9 +31,63 @@ pub struct LuaImage(Arc<Rendered>);
 #[derive(Debug)]
 struct Rendered {
     image: SpectralImage,
+    /// `None` for an image that was not rendered by this script.
+    run: Option<Run>,
+}
+
+/// How a render went.
+#[derive(Debug)]
+struct Run {
     stats: RenderStats,
-    view: View,
     build: BuildSeconds,
+}
+
+const IMAGES: &str = "a list of {image, weight}";
+
+pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
+    let table = lua.create_table()?;
+    let load = fault::function(lua, |lua, a| {
+        let path = Arguments::new("image.load", a, 1)?.text("path")?;
+        let path = host::of(lua)?.input(&path)?;
+        Ok(LuaImage::of(output::read_exr(&path)?))
+    })?;
+    table.set("load", load)?;
+    table.set("sum", fault::function(lua, |_, a| sum(Arguments::new("image.sum", a, 1)?))?)?;
+    fault::refuse_unknown_names(lua, &table, "lampyris.image")?;
+    module.set("image", table)
+}
+
+/// `{ { a, 0.3 }, b, … }`: an image alone has the weight 1.
+fn sum(mut arguments: Arguments) -> mlua::Result<LuaImage> {
+    const OBJECT: &str = "image.sum";
+    let entries = options::list(OBJECT, "argument 1", &arguments.value(), IMAGES)?;
+    let term = |(at, entry): (usize, &Value)| -> mlua::Result<(f64, LuaImage)> {
+        let what = format!("entry {at}");
+        let (image, weight) = match entry {
+            Value::Table(_) => {
+                match options::list(OBJECT, &what, entry, "{image, weight}")?.as_slice() {
+                    [image] => (image.clone(), 1.0),
+                    [image, weight] => {
+                        (image.clone(), options::number(OBJECT, &what, weight, Range::ANY)?)
+                    }
+                    parts => {
+                        let problem =
+                            format!("{what} has {} parts, expected {{image, weight}}", parts.len());
+                        return Err(Error::inconsistent(OBJECT, problem).into());
+                    }
+                }
+            }
+            image => (image.clone(), 1.0),
+        };
+        Ok((weight, options::handle(OBJECT, &what, &image, "an image")?))
+    };
+    let terms = (1..).zip(&entries).map(term).collect::<mlua::Result<Vec<_>>>()?;
+    weighted(&terms)
+}
+
+fn weighted(terms: &[(f64, LuaImage)]) -> mlua::Result<LuaImage> {
+    let terms: Vec<_> = terms.iter().map(|(weight, i)| (*weight, &i.0.image)).collect();
+    Ok(LuaImage::of(weighted_sum(&terms)?))
 }
 
 /// A region that need not be that of a known image.
@@ -63,13 +118,20 @@ const NAMES: [&str; 11] = [
 ];
 
 impl LuaImage {
-    pub(super) fn new(
-        image: SpectralImage,
-        stats: RenderStats,
-        view: View,
-        prepared: &Prepared,
-    ) -> Self {
-        Self(Arc::new(Rendered { image, stats, view, build: prepared.seconds }))
+    pub(super) fn new(image: SpectralImage, stats: RenderStats, prepared: &Prepared) -> Self {
+        let run = Some(Run { stats, build: prepared.seconds });
+        Self(Arc::new(Rendered { image, run }))
+    }
+
+    /// An image that no render of this script has made.
+    fn of(image: SpectralImage) -> Self {
+        Self(Arc::new(Rendered { image, run: None }))
+    }
+
+    /// Errors: nobody knows from where the image was seen.
+    fn view(&self, object: &str) -> mlua::Result<View> {
+        let problem = "the image does not say from where it was seen";
+        self.0.image.view.ok_or_else(|| Error::inconsistent(object, problem).into())
     }
 
     pub(super) fn xyz_image(&self) -> XyzImage {
@@ -115,7 +177,9 @@ impl UserData for LuaImage {
     fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
         fields.add_field_method_get("width", |_, this| Ok(this.0.image.width));
         fields.add_field_method_get("height", |_, this| Ok(this.0.image.height));
-        fields.add_field_method_get("stats", |lua, this| stats(lua, &this.0));
+        fields.add_field_method_get("stats", |lua, this| {
+            this.0.run.as_ref().map(|run| stats(lua, run)).transpose()
+        });
     }
 
     fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
@@ -137,8 +201,9 @@ impl UserData for LuaImage {
         });
         fault::method(methods, "intensity", |lua, this: &Self, a| {
             Arguments::new("image:intensity", a, 0)?;
-            warn_of_cut_off(&host::of(lua)?, &this.0.image, &this.0.view);
-            Ok(intensity::intensity(&this.0.image, &this.0.view)?.y)
+            let view = this.view("image:intensity")?;
+            warn_of_cut_off(&host::of(lua)?, &this.0.image, &view);
+            Ok(intensity::intensity(&this.0.image, &view)?.y)
         });
         fault::method(methods, "luminances", |_, this: &Self, a| {
             let options = Arguments::new("image:luminances", a, 1)?.options(&REGION_KEYS)?;
@@ -164,15 +229,38 @@ impl UserData for LuaImage {
             save(lua, &this.0, Arguments::new("image:save", a, 2)?)
         });
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
-            let Rendered { image, stats, .. } = this.0.as_ref();
+            let Rendered { image, run } = this.0.as_ref();
             let (width, height, bands) = (image.width, image.height, image.grid.bands());
-            Ok(format!("image: {width} × {height}, {bands} bands, {:.2} s", stats.seconds))
+            let seconds = run.as_ref().map(|run| format!(", {:.2} s", run.stats.seconds));
+            Ok(format!("image: {width} × {height}, {bands} bands{}", seconds.unwrap_or_default()))
+        });
+        methods.add_meta_function(MetaMethod::Add, |lua, (a, b): (Value, Value)| {
+            let image =
+                |value: &Value| options::handle("image + image", "operand", value, "an image");
+            let terms = || Ok([(1.0, image(&a)?), (1.0, image(&b)?)]);
+            let sum = terms().and_then(|terms: [(f64, LuaImage); 2]| weighted(&terms));
+            sum.map_err(|error| fault::located(lua, error))
+        });
+        methods.add_meta_function(MetaMethod::Mul, |lua, (a, b): (Value, Value)| {
+            const OBJECT: &str = "number * image";
+            let (image, weight) = if a.is_userdata() { (a, b) } else { (b, a) };
+            let term = || -> mlua::Result<(f64, LuaImage)> {
+                let weight = options::number(OBJECT, "operand", &weight, Range::ANY)?;
+                Ok((weight, options::handle(OBJECT, "operand", &image, "an image")?))
+            };
+            let scaled = term().and_then(|term| weighted(&[term]));
+            scaled.map_err(|error| fault::located(lua, error))
         });
         fault::refuse_unknown_fields(methods, "image", &NAMES);
     }
 }
 
-pub(super) const PNG_KEYS: [&str; 5] = ["display", "exposure", "gamut", "glare", "tone"];
+/// Keys of a look's table.
+pub(super) const LOOK_KEYS: [&str; 7] =
+    ["bits", "camera", "display", "exposure", "gamut", "glare", "tone"];
+
+pub(super) const PNG_KEYS: [&str; 8] =
+    ["bits", "camera", "display", "exposure", "gamut", "glare", "look", "tone"];
 
 /// The kind of file follows from the path's ending.
 fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Result<Table> {
@@ -181,13 +269,20 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
     let target = host.output(&path)?;
     match target.extension().and_then(|e| e.to_str()) {
         Some("exr") => {
-            arguments.options(&[])?;
-            output::write_exr(&target, &rendered.image)?;
+            let options = arguments.options(&["bands"])?;
+            let bands = [
+                ("float", ExrBands::Float),
+                ("half", ExrBands::Half),
+                ("pxr24", ExrBands::Pxr24),
+                ("none", ExrBands::None),
+            ];
+            let bands = options.choice("bands", &bands)?.unwrap_or_default();
+            output::write_exr_as(&target, &rendered.image, bands)?;
             lua.create_table()
         }
         Some("png") => {
             let options = arguments.options(&PNG_KEYS)?;
-            let look = look_on_display(&options)?;
+            let look = look(&options)?;
             let shown = output::develop_png(&target, &rendered.image, &look)?;
             warn_of_gamut(&host, &path, &shown.picture.gamut);
             png_stats(lua, &shown)
@@ -219,21 +314,43 @@ pub(super) fn warn_of_gamut(host: &Host, path: &str, gamut: &GamutReport) {
     }
 }
 
-/// How a PNG is shown, by its options.
-pub(super) fn look_on_display(options: &Options) -> mlua::Result<Look> {
-    let display = options.handle::<LuaDisplay>("display", "a display")?;
-    look(options, display.map_or_else(Display::srgb, |d| Arc::unwrap_or_clone(d.display)))
+/// How a picture is shown: `look`, a name or a table, and what the options say beside it.
+pub(super) fn look(options: &Options) -> mlua::Result<Look> {
+    let look = match options.value("look")? {
+        Value::Nil => Look::paper(),
+        table @ Value::Table(_) => {
+            let object = format!("{}: look", options.object());
+            changed(Look::paper(), &Options::new(&object, table, &LOOK_KEYS)?)?
+        }
+        _ => {
+            let names = Look::NAMES.map(|name| (name, name));
+            let name = options.choice("look", &names)?.unwrap_or("paper");
+            Look::named(name).unwrap_or_default()
+        }
+    };
+    changed(look, options)
 }
 
-/// How a picture is shown, by the options of a PNG but for its display.
-pub(super) fn look(options: &Options, display: Display) -> mlua::Result<Look> {
+/// A look with what options of its keys say.
+fn changed(look: Look, options: &Options) -> mlua::Result<Look> {
+    let display = options.handle::<LuaDisplay>("display", "a display")?;
+    let display = display.map_or(look.display, |d| Arc::unwrap_or_clone(d.display));
     let gamuts = [("clip", Gamut::Clip), ("desaturate", Gamut::Desaturate)];
+    let camera = match options.value("camera")? {
+        Value::Nil => look.camera,
+        Value::Boolean(false) => None,
+        _ => options.handle::<LuaCamera>("camera", "a camera")?.map(|camera| camera.0),
+    };
     Ok(Look {
-        display,
-        exposure: exposure(options)?,
-        tone: tone(options)?,
-        gamut: options.choice("gamut", &gamuts)?.unwrap_or_default(),
-        glare: glare(options)?,
+        display: match options.count("bits", 1, 16)? {
+            Some(bits) => display.with_bits(bits as u32)?,
+            None => display,
+        },
+        exposure: if options.has("exposure")? { exposure(options)? } else { look.exposure },
+        tone: if options.has("tone")? { tone(options)? } else { look.tone },
+        gamut: options.choice("gamut", &gamuts)?.unwrap_or(look.gamut),
+        glare: if options.has("glare")? { glare(options)? } else { look.glare },
+        camera,
     })
 }
 
@@ -280,14 +397,20 @@ fn curve_value(curve: &Function, luminance: f64) -> crate::Result<f64> {
     }
 }
 
-/// `"auto"`, a factor, or `{ev = stops}`.
-fn exposure(options: &Options) -> mlua::Result<Exposure> {
+/// `"auto"`, a factor, `{ev = stops}` or `{adaptation = cd/m²}`.
+pub(super) fn exposure(options: &Options) -> mlua::Result<Exposure> {
     match options.value("exposure")? {
         Value::Nil => Ok(Exposure::Auto),
         Value::Table(table) => {
             let object = format!("{}: exposure", options.object());
-            let stops = Options::new(&object, Value::Table(table), &["ev"])?;
-            Ok(Exposure::Stops(stops.required_number("ev", Range::new(-100.0, 100.0, "stops"))?))
+            let given = Options::new(&object, Value::Table(table), &["adaptation", "ev"])?;
+            match given.number("adaptation", Range::above_zero("cd/m²"))? {
+                Some(luminance) => Ok(Exposure::Adapted(luminance)),
+                None => {
+                    let stops = Range::new(-100.0, 100.0, "stops");
+                    Ok(Exposure::Stops(given.required_number("ev", stops)?))
+                }
+            }
         }
         Value::String(word) if word == "auto" => Ok(Exposure::Auto),
         Value::String(_) => {
@@ -327,8 +450,8 @@ fn difference_table(lua: &Lua, difference: &ImageDifference) -> mlua::Result<Tab
     Ok(table)
 }
 
-fn stats(lua: &Lua, rendered: &Rendered) -> mlua::Result<Table> {
-    let Rendered { stats, build, .. } = rendered;
+fn stats(lua: &Lua, run: &Run) -> mlua::Result<Table> {
+    let Run { stats, build } = run;
     let counts = &stats.counts;
     let table = lua.create_table()?;
     let per_sum = |count: u64| count as f64 / counts.light_sums.max(1) as f64;

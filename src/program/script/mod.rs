@@ -13,6 +13,7 @@ mod repl;
 mod sandbox;
 mod starter;
 
+mod camera;
 mod display;
 mod display_fit;
 mod emitter;
@@ -78,7 +79,9 @@ fn module(lua: &Lua) -> mlua::Result<Table> {
     emitter::register(lua, &module)?;
     view::register(lua, &module)?;
     scene::register(lua, &module)?;
+    camera::register(lua, &module)?;
     display::register(lua, &module)?;
+    image::register(lua, &module)?;
     sweep::register(lua, &module)?;
     photometry::register(lua, &module)?;
     lobe_fit::register(lua, &module)?;

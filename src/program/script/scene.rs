@@ -124,7 +124,7 @@ impl LuaScene {
         let (mut image, stats) = asked.render(&prepared, &view.0, &progress)?;
         warn_of_target(&host, &stats);
         image.metadata.insert("script".to_owned(), host.script.display().to_string());
-        Ok(LuaImage::new(image, stats, view.0, &prepared))
+        Ok(LuaImage::new(image, stats, &prepared))
     }
 }
 

@@ -9,7 +9,7 @@ use mlua::{Lua, Table, Value};
 use serde_json::json;
 
 use super::host::{self, Host};
-use super::image::{PNG_KEYS, look_on_display};
+use super::image::{PNG_KEYS, look};
 use super::options::{self, Arguments, Options};
 use super::quality::{ASKED_KEYS, asked};
 use super::scene::LuaScene;
@@ -39,7 +39,7 @@ fn sweep(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
     let digests = RefCell::default();
     let plan = Plan {
         asked: asked(quality)?,
-        look: look_on_display(&png)?,
+        look: look(&png)?,
         regions: regions(options.value("regions")?)?,
         shard,
         script: script_name(&host),

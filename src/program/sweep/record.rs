@@ -129,9 +129,13 @@ impl Reading {
 /// All that [`display_from_record`] needs.
 pub fn display_record(display: &Display) -> Value {
     let curve = |curve: &Curve| {
-        let Curve { gain, offset, gamma, toe } = curve;
+        let Curve { gain, offset, gamma, toe, pq_peak_cd_m2 } = curve;
         let toe = toe.map(|Toe { slope, end }| json!({ "slope": slope, "end": end }));
-        json!({ "gain": gain, "offset": offset, "gamma": gamma, "toe": toe })
+        let mut record = json!({ "gain": gain, "offset": offset, "gamma": gamma, "toe": toe });
+        if let Some(peak) = pq_peak_cd_m2 {
+            record["pq_peak"] = json!(peak);
+        }
+        record
     };
     let rows = display.matrix().transpose().to_cols_array_2d();
     json!({
@@ -152,7 +156,8 @@ pub(super) fn display_from_record(record: &Value) -> Option<Display> {
             toe => Some(Toe { slope: number(toe, "slope")?, end: number(toe, "end")? }),
         };
         let (gain, offset) = (number(value, "gain")?, number(value, "offset")?);
-        Some(Curve { gain, offset, gamma: number(value, "gamma")?, toe })
+        let pq_peak_cd_m2 = number(value, "pq_peak");
+        Some(Curve { gain, offset, gamma: number(value, "gamma")?, toe, pq_peak_cd_m2 })
     };
     let rows = record.get("matrix")?.as_array()?;
     let curves = record.get("curves")?.as_array()?;
