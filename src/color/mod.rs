@@ -69,7 +69,7 @@ impl Spectrum {
     /// Tristimulus values (eq. 4) on the 5 nm grid.
     pub fn xyz(&self) -> Xyz {
         let grid = WavelengthGrid::Step5;
-        Xyz::from_bands(grid, &self.on_grid(grid))
+        Xyz::from_bands(grid, &self.light_on_grid(grid))
     }
 }
 

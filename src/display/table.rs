@@ -1,35 +1,33 @@
-//! Measured displays as CSV files; `#` starts a comment.
+//! Measured displays from tables.
 
-use std::fs::File;
 use std::path::Path;
 
 use super::fit::{Light, RampPatch};
 use super::verify::Patch;
 use crate::color::Xyz;
-use crate::error::{Error, Place, Result};
+use crate::columns::Table;
+use crate::error::Result;
 
 /// Ramps of the three channels from a file with the columns channel (`R`, `G`, `B`), digit, and
 /// luminance or X, Y, Z.
 ///
 /// A file whose largest digit is at most 1 gives drives, which become digits of `bits` bits.
-/// Errors: [`Error::Io`]; [`Error::BadFile`] with the line of a row that is not of this form.
+/// Errors: [`crate::Error::Io`]; [`crate::Error::BadFile`] with the line of a row that is not of
+/// this form.
 pub fn read_ramps(path: &Path, bits: u32) -> Result<[Vec<RampPatch>; 3]> {
     let mut ramps: [Vec<RampPatch>; 3] = Default::default();
-    for row in read_rows(path)? {
-        let channel = match row.cells[0].as_str() {
+    for row in Table::read(path)?.rows() {
+        let channel = match row.cells().next().unwrap_or_default() {
             "R" | "r" | "red" => 0,
             "G" | "g" | "green" => 1,
             "B" | "b" | "blue" => 2,
-            other => {
-                let problem = format!("channel is \"{other}\", expected R, G or B");
-                return Err(Error::bad_file(path, Place::Line(row.line), problem));
-            }
+            other => return Err(row.bad(format!("channel is \"{other}\", expected R, G or B"))),
         };
-        let numbers = row.numbers(path, 1)?;
+        let numbers = row.numbers_from(1)?;
         let light = match numbers[..] {
             [_, y] => Light::Luminance(y),
             [_, x, y, z] => Light::Xyz(Xyz::new(x, y, z)),
-            _ => return Err(row.wrong_width(path, "channel, digit, luminance or X, Y, Z")),
+            _ => return Err(row.wrong_width("channel, digit, luminance or X, Y, Z")),
         };
         ramps[channel].push(RampPatch { digit: numbers[0], light });
     }
@@ -42,9 +40,9 @@ pub fn read_ramps(path: &Path, bits: u32) -> Result<[Vec<RampPatch>; 3]> {
 /// [`read_ramps`].
 pub fn read_patches(path: &Path, bits: u32) -> Result<Vec<Patch>> {
     let mut patches = Vec::new();
-    for row in read_rows(path)? {
-        let [r, g, b, x, y, z] = row.numbers(path, 0)?[..] else {
-            return Err(row.wrong_width(path, "r, g, b, X, Y, Z"));
+    for row in Table::read(path)?.rows() {
+        let [r, g, b, x, y, z] = row.numbers_from(0)?[..] else {
+            return Err(row.wrong_width("r, g, b, X, Y, Z"));
         };
         patches.push(Patch { digits: [r, g, b], measured: Xyz::new(x, y, z) });
     }
@@ -56,59 +54,6 @@ pub fn read_patches(path: &Path, bits: u32) -> Result<Vec<Patch>> {
 fn digit_scale(digits: impl Iterator<Item = f64>, bits: u32) -> f64 {
     let is_drive = digits.fold(0.0, f64::max) <= 1.0;
     if is_drive { f64::from(bits).exp2() - 1.0 } else { 1.0 }
-}
-
-struct Row {
-    line: u64,
-    cells: Vec<String>,
-}
-
-impl Row {
-    /// The cells from `first` on.
-    fn numbers(&self, path: &Path, first: usize) -> Result<Vec<f64>> {
-        let number = |(column, cell): (usize, &String)| {
-            cell.parse().map_err(|_| {
-                let problem = format!("column {} is \"{cell}\", expected a number", column + 1);
-                Error::bad_file(path, Place::Line(self.line), problem)
-            })
-        };
-        self.cells.iter().enumerate().skip(first).map(number).collect()
-    }
-
-    fn wrong_width(&self, path: &Path, expected: &str) -> Error {
-        let problem = format!("has {} columns, expected {expected}", self.cells.len());
-        Error::bad_file(path, Place::Line(self.line), problem)
-    }
-}
-
-/// All rows but a first one without numbers, the header.
-fn read_rows(path: &Path) -> Result<Vec<Row>> {
-    let file = File::open(path).map_err(|e| Error::io(path, e))?;
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .has_headers(false)
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .from_reader(file);
-    let mut rows = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|e| csv_error(path, e))?;
-        let line = record.position().map_or(0, csv::Position::line);
-        rows.push(Row { line, cells: record.iter().map(str::to_owned).collect() });
-    }
-    let is_header = |row: &Row| row.cells.iter().all(|cell| cell.parse::<f64>().is_err());
-    if rows.first().is_some_and(is_header) {
-        rows.remove(0);
-    }
-    Ok(rows)
-}
-
-fn csv_error(path: &Path, error: csv::Error) -> Error {
-    let place = error.position().map_or(Place::File, |p| Place::Line(p.line()));
-    match error.into_kind() {
-        csv::ErrorKind::Io(error) => Error::io(path, error),
-        other => Error::bad_file(path, place, format!("not a CSV table: {other:?}")),
-    }
 }
 
 #[cfg(test)]
@@ -154,8 +99,8 @@ mod tests {
         };
         assert_eq!(ending("ramp,d,Y\nR,1,2\nC,1,2\n"), ":3: channel is \"C\", expected R, G or B");
         assert_eq!(
-            ending("ramp,d,Y\nR,1\n"),
-            ":2: has 2 columns, expected channel, digit, luminance or X, Y, Z"
+            ending("ramp,d,Y\nR,1,2,3\n"),
+            ":2: has 4 columns, expected channel, digit, luminance or X, Y, Z"
         );
         assert_eq!(ending("1,2,x,4,5,6\n"), ":1: column 3 is \"x\", expected a number");
         assert_eq!(ending("1,2,3\n"), ":1: has 3 columns, expected r, g, b, X, Y, Z");

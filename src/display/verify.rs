@@ -190,6 +190,7 @@ fn judge([mean_ab, max_ab]: [f64; 2], patches: &[PatchError]) -> Verdict {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::columns::Choice;
     use std::path::PathBuf;
 
     use crate::display::{Curve, DisplayFit, DisplayMeasurement, DisplayParameters};
@@ -204,7 +205,7 @@ mod tests {
     /// The measured CRT's light at digit 0, which its other tables have been freed of.
     fn crt_black() -> Xyz {
         // W·m⁻²·sr⁻¹ per 4 nm.
-        Spectrum::from_csv(&data("ambient_spectrum"), 2).unwrap().scaled(0.25).xyz()
+        Spectrum::load(&data("ambient_spectrum"), &Choice::default()).unwrap().scaled(0.25).xyz()
     }
 
     /// Levels of the measured CRT at `thirtieths` of full drive, black included.

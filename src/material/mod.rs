@@ -1,7 +1,9 @@
 //! The paper's material (Table 4) and the fitting of its lobes to measured curves.
 
+mod lobe_file;
 mod lobe_fit;
 
+pub use lobe_file::{LobeFile, read_lobe};
 pub use lobe_fit::{FittedLobe, LobeCount, LobeFit, LobeSpace, LobeTable, fit_lobe};
 
 use crate::error::{Error, Result};

@@ -4,14 +4,14 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use crate::color::Xyz;
+use crate::columns::Choice;
 use crate::error::{Error, Place, Result};
 use crate::geometry::{DVec3, obj};
 use crate::output;
 use crate::program::sweep::Manifest;
 use crate::source::Starts;
 use crate::source::rayfile::{self, RayFile, SpectrumSource};
-use crate::spectrum::{Spectrum, WavelengthGrid};
+use crate::spectrum::Spectrum;
 
 /// A description of several lines, the first of which starts with the path.
 ///
@@ -42,7 +42,7 @@ fn rays_or_table(path: &Path) -> Result<Vec<String>> {
         Ok(file) => return Ok(rays(&file)),
         Err(error) => error,
     };
-    match Spectrum::from_csv(path, 2) {
+    match Spectrum::load(path, &Choice::default()) {
         Ok(spectrum) => Ok(table(&spectrum)),
         Err(not_a_spectrum) => {
             let problem =
@@ -103,8 +103,7 @@ fn table(spectrum: &Spectrum) -> Vec<String> {
         format!("spectrum, {} rows, {first} to {last} nm", lambda_nm.len()),
         format!("values {} to {}", spectrum.min(), spectrum.max()),
     ];
-    let xyz = Xyz::from_bands(WavelengthGrid::Step5, &spectrum.on_grid(WavelengthGrid::Step5));
-    if let Some([x, y]) = xyz.chromaticity() {
+    if let Some([x, y]) = spectrum.xyz().chromaticity() {
         lines.push(format!("as light: chromaticity x = {x:.4}, y = {y:.4}"));
     }
     lines

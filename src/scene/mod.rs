@@ -107,14 +107,18 @@ impl Scene {
 
     /// What silently changes the picture, in words.
     pub fn warnings(&self) -> Vec<String> {
-        match self.photometry {
-            Photometry::Relative => Vec::new(),
-            Photometry::Absolute => {
-                self.materials.iter().filter_map(Material::gain_warning).collect()
-            }
+        let lights = (1..).zip(&self.lights);
+        let mut warnings: Vec<String> =
+            lights.filter_map(|(number, light)| light.cut_warning(number)).collect();
+        if self.photometry == Photometry::Absolute {
+            warnings.extend(self.materials.iter().filter_map(Material::gain_warning));
         }
+        warnings
     }
 }
+
+/// A table that ends above this share of its peak leaves light out.
+const CUT_SHARE: f64 = 0.01;
 
 impl Prepared {
     /// All spectra of the scene at the bands of `grid`: resampled at the first call, then kept.
@@ -131,6 +135,19 @@ impl Prepared {
 }
 
 impl Light {
+    /// A light is 0 outside of its spectrum's table.
+    fn cut_warning(&self, number: usize) -> Option<String> {
+        let [first, last] = self.spectrum.partial_range_nm()?;
+        let share = self.spectrum.cut_share();
+        (share > CUT_SHARE).then(|| {
+            format!(
+                "light {number}: its spectrum covers {first} to {last} nm only, and ends at {:.0} % \
+                 of its peak: it is 0 beyond",
+                100.0 * share
+            )
+        })
+    }
+
     /// I_norm(λ) in W/nm a lm, at the bands of `grid` (eq. 12).
     ///
     /// Errors: a spectrum without luminous flux on this grid.
@@ -138,7 +155,7 @@ impl Light {
         let luminous = self.spectrum.luminous_flux(grid);
         if luminous > 0.0 && luminous.is_finite() {
             let per_lumen = self.spectrum.scaled(luminous.recip());
-            return Ok(per_lumen.on_grid(grid));
+            return Ok(per_lumen.light_on_grid(grid));
         }
         let problem = format!(
             "spectrum has no luminous flux at the bands of {} nm, so that {} lm cannot be shared out",

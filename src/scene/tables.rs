@@ -46,7 +46,7 @@ const OPAQUE_PER_MM: f64 = 1e300;
 impl SpectralTables {
     /// Resamples all spectra of `scene`. Errors: a light without luminous flux on this grid.
     pub fn new(scene: &Scene, grid: WavelengthGrid) -> Result<Self> {
-        let on_grid = |spectrum: &Spectrum| Bands::from_slice(&spectrum.on_grid(grid));
+        let on_grid = |spectrum: &Spectrum| Bands::from_slice(&spectrum.light_on_grid(grid));
         let weights: Vec<f64> = (0..grid.bands())
             .map(|band| cie::K_LM_PER_W * cie::cmf(grid, band)[1] * grid.step_nm())
             .collect();

@@ -194,6 +194,7 @@ pub fn amber_glass(lambda_nm: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::color::signal::SignalColor;
+    use crate::columns::Choice;
     use crate::light::RaySample;
     use crate::spectrum::WavelengthGrid;
     use std::f64::consts::PI;
@@ -281,7 +282,7 @@ mod tests {
 
     fn material(file: &str) -> Spectrum {
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/materials");
-        Spectrum::from_csv(&folder.join(file), 2).unwrap()
+        Spectrum::load(&folder.join(file), &Choice::default()).unwrap()
     }
 
     /// Bulb × aluminium × lens, for the paths that light takes through a 3 mm lens with pillows.

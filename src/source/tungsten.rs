@@ -50,6 +50,7 @@ pub fn spectrum(temperature_k: f64) -> Spectrum {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::columns::Choice;
     use std::path::Path;
 
     /// NASA TN D-1088 (1961), Table III, interpolated between 2000 and 4000 K; another laboratory's
@@ -87,7 +88,7 @@ mod tests {
     fn spectrum_is_that_of_a_measured_lamp() {
         let path =
             Path::new(env!("CARGO_MANIFEST_DIR")).join("data/lamps/incandescent_nist_cqs_5nm.csv");
-        let measured = Spectrum::from_csv(&path, 2).unwrap();
+        let measured = Spectrum::load(&path, &Choice::default()).unwrap();
         let model = spectrum(2750.0);
         let errors: Vec<f64> = (80..=156)
             .map(|k| f64::from(k) * 5.0)

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use super::grid::{Direction, Grid};
 use crate::color::signal::{self, SignalColor};
-use crate::error::{Error, Place, Result};
+use crate::columns::{Table, TableRow};
+use crate::error::{Error, Result};
 
 const UN_R148: &str = include_str!("../../../data/regulations/un_r148.csv");
 
@@ -39,25 +40,22 @@ impl Limits {
     ///
     /// Errors: another name.
     pub fn un_r148(lamp: &str) -> Result<Self> {
-        Self::parse(UN_R148, Path::new("data/regulations/un_r148.csv"), lamp)
+        let path = Path::new("data/regulations/un_r148.csv");
+        Self::of_lamp(&Table::from_bytes(path, UN_R148.into())?, lamp)
     }
 
-    /// From a CSV file with the columns of `data/regulations/un_r148.csv`.
+    /// From a table with the columns of `data/regulations/un_r148.csv`.
     ///
     /// Errors: [`Error::Io`]; a row that is none, with its line; a lamp that is not in the file.
-    pub fn from_csv(path: &Path, lamp: &str) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
-        Self::parse(&text, path, lamp)
+    pub fn load(path: &Path, lamp: &str) -> Result<Self> {
+        Self::of_lamp(&Table::read(path)?, lamp)
     }
 
-    fn parse(text: &str, path: &Path, lamp: &str) -> Result<Self> {
-        const EXPECTED: &str = "expected lamp,color,h_deg,v_deg,min_cd,max_cd";
+    fn of_lamp(table: &Table, lamp: &str) -> Result<Self> {
         let mut limits: Option<Self> = None;
         let mut lamps: Vec<&str> = Vec::new();
-        let rows = (1..).zip(text.lines()).filter(|(_, l)| !l.starts_with('#') && !l.is_empty());
-        for (line, row) in rows.skip(1) {
-            let bad = || Error::bad_file(path, Place::Line(line), EXPECTED);
-            let (name, color, requirement) = parse_row(row).ok_or_else(bad)?;
+        for row in table.rows() {
+            let (name, color, requirement) = parse_row(&row)?;
             if !lamps.contains(&name) {
                 lamps.push(name);
             }
@@ -94,19 +92,19 @@ impl Limits {
     }
 }
 
-fn parse_row(row: &str) -> Option<(&str, SignalColor, Requirement)> {
-    let cells: Vec<&str> = row.split(',').map(str::trim).collect();
-    let [lamp, color, numbers @ ..] = cells.as_slice() else {
-        return None;
-    };
-    let color = SignalColor::ALL.into_iter().find(|c| c.name() == *color)?;
-    let numbers: Vec<f64> = numbers.iter().map(|cell| cell.parse().ok()).collect::<Option<_>>()?;
-    let [h_deg, v_deg, min_cd, max_cd] = numbers[..] else {
-        return None;
-    };
-    let direction = Direction { h_deg, v_deg };
+fn parse_row<'a>(row: &TableRow<'a>) -> Result<(&'a str, SignalColor, Requirement)> {
+    const EXPECTED: &str = "expected lamp,color,h_deg,v_deg,min_cd,max_cd";
+    let mut cells = row.cells();
+    let (lamp, color) = (cells.next().unwrap_or_default(), cells.next().unwrap_or_default());
+    let color = SignalColor::ALL.into_iter().find(|c| c.name() == color);
+    let color = color.ok_or_else(|| row.bad(EXPECTED))?;
+    let numbers = row.numbers_from(2)?;
     let finite = numbers.iter().all(|n| n.is_finite());
-    finite.then_some((*lamp, color, Requirement { direction, min_cd, max_cd }))
+    let ([h_deg, v_deg, min_cd, max_cd], true) = (&numbers[..], finite) else {
+        return Err(row.bad(EXPECTED));
+    };
+    let direction = Direction { h_deg: *h_deg, v_deg: *v_deg };
+    Ok((lamp, color, Requirement { direction, min_cd: *min_cd, max_cd: *max_cd }))
 }
 
 #[cfg(test)]

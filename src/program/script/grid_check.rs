@@ -57,7 +57,7 @@ impl Rules {
         let (limits, known) = match options.text("file")? {
             None => (Limits::un_r148(&lamp)?, LampRules::un_r148(&lamp)),
             // Files of one's own hold points only.
-            Some(path) => (Limits::from_csv(&host::of(lua)?.input(&path)?, &lamp)?, None),
+            Some(path) => (Limits::load(&host::of(lua)?.input(&path)?, &lamp)?, None),
         };
         let unknown = |key: &str, what: &str| {
             let problem =

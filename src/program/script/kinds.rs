@@ -262,6 +262,28 @@ impl Kind for Text {
     }
 }
 
+/// A name, or a number from 1 in its place.
+pub(super) struct Name;
+
+impl Kind for Name {
+    type Read = String;
+
+    fn read(&self, object: &str, what: &str, value: &Value) -> mlua::Result<String> {
+        match value {
+            Value::String(_) => options::text(object, what, value),
+            _ => Ok(options::count(object, what, value, 1, u64::from(u32::MAX))?.to_string()),
+        }
+    }
+
+    fn lua_type(&self) -> String {
+        "integer|string".to_owned()
+    }
+
+    fn expected(&self) -> String {
+        "a name or a number".to_owned()
+    }
+}
+
 /// One of a fixed set of words.
 pub(super) struct Choice<T: 'static>(pub &'static [(&'static str, T)]);
 

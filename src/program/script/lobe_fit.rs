@@ -8,8 +8,7 @@ use super::options::{Arguments, Range};
 use super::record::options;
 use super::spectrum::COLUMN;
 use super::{fault, host};
-use crate::columns;
-use crate::material::{LobeCount, LobeFit, LobeSpace, LobeTable, fit_lobe};
+use crate::material::{self, LobeCount, LobeFit, LobeSpace, LobeTable, fit_lobe};
 use crate::program::figure::{Axis, Chart, Panel, Series};
 
 options! {
@@ -59,7 +58,7 @@ fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
 /// `points = {{angle, value}, …}`, or two columns of `file`.
 fn points(lua: &Lua, given: &LobeFitOptions) -> mlua::Result<Vec<(f64, f64)>> {
     if let Some(path) = &given.file {
-        return Ok(columns::read(&host::of(lua)?.input(path)?, given.column)?.rows);
+        return Ok(material::read_lobe(&host::of(lua)?.input(path)?, given.column, None)?.points);
     }
     let expected = "a list of {angle, value}, or \"file\"";
     let points = given.points.as_ref().ok_or_else(|| missing("fit_lobe", "points", expected))?;

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
+use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
-use super::kinds::{Count, Or};
+use super::kinds::{Count, Flag, Kind, Name, Or};
 use super::options::{self, Arguments, Range};
 use super::record::options;
 use super::{fault, host};
+use crate::columns::Choice;
 use crate::error::Error;
 use crate::spectrum::{Spectrum, WavelengthGrid, cie};
 
@@ -15,7 +16,7 @@ use crate::spectrum::{Spectrum, WavelengthGrid, cie};
 #[derive(Debug, Clone)]
 pub struct LuaSpectrum(pub Arc<Spectrum>);
 
-const NAMES: [&str; 5] = ["at", "values", "xyz", "xy", "luminous_flux"];
+const NAMES: [&str; 7] = ["at", "clamped", "luminous_flux", "range", "values", "xy", "xyz"];
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     let table = lua.create_table()?;
@@ -63,7 +64,11 @@ fn new_handle(spectrum: Spectrum) -> LuaSpectrum {
 options! {
     struct SpectrumLoadOptions {
         /// of the values, 1-based
-        column: usize = COLUMN,
+        column: Option<usize> = COLUMN.kind.optional("the one after the wavelengths"),
+        /// where each sample is a row: which, by number or name
+        row: Option<String> = Name.optional("the only one"),
+        /// values outside of 0 to 1 become 0 and 1
+        clamp: bool = Flag.or(false),
     }
 }
 
@@ -72,9 +77,16 @@ pub(super) const COLUMN: Or<Count<usize>> = Or { kind: Count::new(2, 1000), defa
 
 fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaSpectrum> {
     let path = arguments.text("path")?;
-    let SpectrumLoadOptions { column } = arguments.record()?;
-    let path = host::of(lua)?.input(&path)?;
-    Ok(new_handle(Spectrum::from_csv(&path, column)?))
+    let SpectrumLoadOptions { column, row, clamp } = arguments.record()?;
+    let host = host::of(lua)?;
+    let spectrum = Spectrum::load(&host.input(&path)?, &Choice { column, row })?;
+    let spectrum = if clamp { spectrum.clamped(0.0, 1.0) } else { spectrum };
+    if let Some([first, last]) = spectrum.partial_range_nm() {
+        host.warn(format!(
+            "{path}: covers {first} to {last} nm only: beyond, a light is 0 and a material constant"
+        ));
+    }
+    Ok(new_handle(spectrum))
 }
 
 fn from_pairs(mut arguments: Arguments) -> mlua::Result<LuaSpectrum> {
@@ -107,10 +119,21 @@ pub(super) fn grid_from_step(
 }
 
 impl UserData for LuaSpectrum {
+    fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
+        // First and last wavelength of the table; nil of a constant.
+        fields.add_field_method_get("range", |_, this| Ok(this.0.range_nm()));
+    }
+
     fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
         fault::method(methods, "at", |_, this: &Self, a| {
             let lambda = Range::above_zero("nm");
             Ok(this.0.at(Arguments::new("spectrum:at", a, 1)?.number("wavelength", lambda)?))
+        });
+        fault::method(methods, "clamped", |_, this: &Self, a| {
+            let mut arguments = Arguments::new("spectrum:clamped", a, 2)?;
+            let low = arguments.number("low", Range::ANY)?;
+            let above = Range::new(low, f64::INFINITY, "");
+            Ok(new_handle(this.0.clamped(low, arguments.number("high", above)?)))
         });
         fault::method(methods, "values", |_, this: &Self, a| {
             let grid = match Arguments::new("spectrum:values", a, 1)?.value() {

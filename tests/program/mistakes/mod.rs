@@ -30,7 +30,7 @@ const FILES: [(&str, &str); 12] = [
     ("words.csv", "these are\nonly words\n"),
     ("red.csv", "nm,value\n380,0.1\n780,0.9\n"),
     ("swapped.csv", "0.1,380\n0.9,780\n"),
-    ("descending.csv", "780,0.9\n380,0.1\n"),
+    ("jumping.csv", "480,0.9\n580,0.9\n380,0.1\n780,0.2\n"),
     ("hole.csv", "380,0.1\n580,\n780,0.9\n"),
     ("rays.csv", "x,y,z,dx,dy,dz,flux\n0,0,0,0,0,1,1\n"),
     ("still.csv", "x,y,z,dx,dy,dz,flux\n0,0,0,0,0,0,1\n"),

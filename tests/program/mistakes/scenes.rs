@@ -100,7 +100,7 @@ pub const FAULTS: &[[&str; 3]] = &[
     [
         "wavelengths in the value column",
         "L.material { reflectance = L.spectrum.load('swapped.csv') }",
-        "material: reflectance at 0.1 nm is 380, allowed: 0 to 1",
+        "swapped.csv:1: wavelengths are 0.1 to 0.9: µm? then say so in the header (\"wavelength (µm)\"), or write nm",
     ],
     [
         "column of wavelengths",
@@ -108,9 +108,9 @@ pub const FAULTS: &[[&str; 3]] = &[
         "spectrum.load: \"column\" is 1, allowed: whole numbers, 2 to 1000",
     ],
     [
-        "wavelengths that descend",
-        "L.spectrum.load 'descending.csv'",
-        "descending.csv:2: wavelength 380 nm follows 780 nm, must ascend",
+        "wavelengths that jump",
+        "L.spectrum.load 'jumping.csv'",
+        "jumping.csv:3: wavelength 380 nm beside 580 nm, neither ascending nor descending",
     ],
     [
         "spectrum with a hole",
