@@ -100,9 +100,14 @@ mod tests {
         assert_eq!(ending("ramp,d,Y\nR,1,2\nC,1,2\n"), ":3: channel is \"C\", expected R, G or B");
         assert_eq!(
             ending("ramp,d,Y\nR,1,2,3\n"),
-            ":2: has 4 columns, expected channel, digit, luminance or X, Y, Z"
+            ":2: has 4 columns, expected channel, digit, luminance or X, Y, Z: decimal commas? then \
+             write semicolons between the columns, or points in the numbers"
         );
         assert_eq!(ending("1,2,x,4,5,6\n"), ":1: column 3 is \"x\", expected a number");
-        assert_eq!(ending("1,2,3\n"), ":1: has 3 columns, expected r, g, b, X, Y, Z");
+        assert_eq!(
+            ending("1,2,3\n"),
+            ":1: has 3 columns, expected r, g, b, X, Y, Z: decimal commas? then write semicolons \
+             between the columns, or points in the numbers"
+        );
     }
 }
