@@ -16,16 +16,21 @@ local lampyris = {}
 ---@class lampyris.spectrum
 lampyris.spectrum = {}
 
----Values over wavelength: linear between its rows, constant outside of them.
+---Values over wavelength: linear between its rows. Outside of them a material's are constant, and a
+---light's are 0.
 ---@class Spectrum
+---@field range? number[]  {first, last} of the table, nm; nil of a constant
 ---@operator mul(Spectrum|number): Spectrum
 ---@operator add(Spectrum|number): Spectrum
 local Spectrum = {}
 
 ---@class SpectrumLoadOptions
----@field column? integer  of the values, 1-based; 2 to 1000; default 2
+---@field column? integer  of the values, 1-based; 2 to 1000; default the one after the wavelengths
+---@field row? integer|string  where each sample is a row: which, by number or name; default the only one
+---@field clamp? boolean  values outside of 0 to 1 become 0 and 1; default false
 
----Reads a CSV file: wavelength in nm, values; '#' starts a comment.
+---Reads a table, whatever its separators, decimal marks and encoding, and instruments' files: CGATS,
+---JCAMP-DX, IES TM-27. `lampyris info` says what a file is taken for.
 ---@param path string
 ---@param options? SpectrumLoadOptions
 ---@return Spectrum
@@ -52,7 +57,13 @@ function lampyris.spectrum.illuminant(name) end
 ---@return number
 function Spectrum:at(wavelength) end
 
----Values from 380 to 780 nm.
+---No value outside of low to high.
+---@param low number
+---@param high number
+---@return Spectrum
+function Spectrum:clamped(low, high) end
+
+---Values from 380 to 780 nm, of a material.
 ---@param step? 5|10|20  nm; default 5
 ---@return number[]
 function Spectrum:values(step) end

@@ -113,8 +113,22 @@ fn check_ratio(material: &str, what: &str, spectrum: &Spectrum) -> Result<()> {
     for (lambda_nm, &value) in spectrum.wavelengths_nm().iter().zip(spectrum.values()) {
         if !(0.0..=1.0).contains(&value) {
             let what = format!("{what} at {lambda_nm} nm");
-            return Err(Error::out_of_range(material, &what, value, "0 to 1"));
+            let allowed = format!("0 to 1{}", ratio_hint(spectrum));
+            return Err(Error::out_of_range(material, &what, value, allowed));
         }
     }
     Ok(())
+}
+
+/// What was likely meant by values outside of 0 to 1.
+fn ratio_hint(spectrum: &Spectrum) -> &'static str {
+    const NOISE: f64 = 0.01;
+    let (low, high) = (spectrum.min(), spectrum.max());
+    if low >= -NOISE && high <= 1.0 + NOISE {
+        ": noise? then load it with clamp = true, or take s:clamped(0, 1)"
+    } else if low >= -1.0 && (2.0..=101.0).contains(&high) {
+        ": percent? then say so in the file's header (\"%\"), or take s * 0.01"
+    } else {
+        ""
+    }
 }
