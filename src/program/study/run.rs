@@ -1,0 +1,330 @@
+//! Runs a study: each draw that is not in its table yet, until all are.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Map, Value, json};
+
+use super::design::{Design, Draws, MOST_DRAWS, MOST_PARAMETERS};
+use super::distribution::Distribution;
+use super::page;
+use super::table::{Table, Writer};
+use crate::error::{Error, Result};
+use crate::output;
+use crate::program::sweep::{Digest, FileDigest, Shard, Source};
+
+/// A parameter and how it varies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// Letters, digits and `_`, a column's name.
+    pub name: String,
+    /// Its values.
+    pub distribution: Distribution,
+}
+
+/// What is drawn, from what, and how often.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Study {
+    /// In the order of their names.
+    pub parameters: Vec<Parameter>,
+    /// How draws are spread.
+    pub design: Design,
+    /// At most this many draws.
+    pub samples: usize,
+    /// Another seed gives other draws of the same kind.
+    pub seed: u64,
+    /// The draws that are this run's; `None` for all.
+    pub shard: Option<Shard>,
+}
+
+/// What a study did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Done {
+    /// All of it that is there, by draw.
+    pub table: Table,
+    /// Draws that this run made.
+    pub made: usize,
+    /// Where the draws of another study lie now that stood in the folder.
+    pub moved: Option<PathBuf>,
+}
+
+/// The study's record beside its table.
+const RECORD: &str = "study.json";
+
+impl Study {
+    /// Errors: [`Error::OutOfRange`] for too many or no draws or parameters, for a name that is no
+    /// column's, and for a distribution without spread.
+    pub fn check(&self) -> Result<()> {
+        let refuse = |what: &str, value: usize, most: usize| {
+            Err(Error::out_of_range("study", what, value, format!("1 to {most}")))
+        };
+        if !(1..=MOST_DRAWS).contains(&self.samples) {
+            return refuse("\"samples\"", self.samples, MOST_DRAWS);
+        }
+        if !(1..=MOST_PARAMETERS).contains(&self.parameters.len()) {
+            return refuse("number of parameters", self.parameters.len(), MOST_PARAMETERS);
+        }
+        for Parameter { name, distribution } in &self.parameters {
+            check_column("parameter", name)?;
+            distribution.check(name)?;
+        }
+        Ok(())
+    }
+
+    /// The draws of this design.
+    pub fn draws(&self) -> Draws {
+        let distributions: Vec<Distribution> =
+            self.parameters.iter().map(|p| p.distribution.clone()).collect();
+        Draws::new(self.design, &distributions, self.samples, self.seed)
+    }
+
+    /// Values of the parameters in draw `index` (from 0).
+    pub fn values(&self, draws: &Draws, index: usize) -> Vec<(String, f64)> {
+        let value = |(at, parameter): (usize, &Parameter)| {
+            (parameter.name.clone(), parameter.distribution.quantile(draws.share(index, at)))
+        };
+        self.parameters.iter().enumerate().map(value).collect()
+    }
+
+    /// Makes the draws that `folder` does not hold yet; `run` turns parameters into results.
+    ///
+    /// Draws of another study (other parameters, script or program) are moved aside, not mixed in.
+    /// A run that is stopped goes on where it was, to the same bytes. `begin` is told how many draws
+    /// of this run are made, and of how many.
+    /// Errors: as [`Study::check`] and of `run`; a result of a parameter's name, or not finite.
+    pub fn run<E: From<Error>>(
+        &self,
+        folder: &Path,
+        source: &Source,
+        mut begin: impl FnMut(usize, usize),
+        mut run: impl FnMut(&[(String, f64)]) -> std::result::Result<Vec<(String, f64)>, E>,
+    ) -> std::result::Result<Done, E> {
+        self.check()?;
+        let moved = self.claim(folder, source)?;
+        let draws = self.draws();
+        let mut writer = Writer::open(&folder.join(self.table_name()))?;
+        let mut is_made = vec![false; draws.count()];
+        writer.table().rows.iter().filter(|(i, _)| *i < draws.count()).for_each(|(index, _)| {
+            is_made[*index] = true;
+        });
+        let ours = (0..draws.count()).filter(|i| self.shard.is_none_or(|shard| shard.has(i + 1)));
+        let missing: Vec<usize> = ours.filter(|&index| !is_made[index]).collect();
+        for (made, &index) in missing.iter().enumerate() {
+            begin(made, missing.len());
+            let mut cells = self.values(&draws, index);
+            let results = run(&cells)?;
+            for (name, _) in &results {
+                self.check_result(name)?;
+            }
+            cells.extend(results);
+            writer.add(index, cells)?;
+        }
+        let table = writer.into_table();
+        if table.rows.len() == draws.count() {
+            page::write(folder, self, &table)?;
+        }
+        Ok(Done { table, made: missing.len(), moved })
+    }
+
+    fn check_result(&self, name: &str) -> Result<()> {
+        check_column("result", name)?;
+        if self.parameters.iter().any(|parameter| parameter.name == name) {
+            let problem = format!("\"{name}\" is the name of a parameter and of a result");
+            return Err(Error::inconsistent("study", problem));
+        }
+        Ok(())
+    }
+
+    /// Name of the file with this run's draws.
+    fn table_name(&self) -> String {
+        match self.shard {
+            None => "draws.csv".to_owned(),
+            Some(shard) => {
+                shard.manifest_name().replace("manifest.", "draws.").replace("json", "csv")
+            }
+        }
+    }
+
+    /// Sets the folder up for this study; tells where another's draws went.
+    fn claim(&self, folder: &Path, source: &Source) -> Result<Option<PathBuf>> {
+        let record = self.record(source);
+        let path = folder.join(RECORD);
+        let text = format!("{record:#}\n");
+        let known = std::fs::read_to_string(&path).ok();
+        if known.as_deref() == Some(text.as_str()) {
+            return Ok(None);
+        }
+        let moved = match known {
+            Some(known) => Some(set_aside(folder, &known)?),
+            None => None,
+        };
+        output::write_text(&path, &text)?;
+        Ok(moved)
+    }
+
+    /// What the draws depend on.
+    fn record(&self, source: &Source) -> Value {
+        let file = |file: &FileDigest| json!({ "path": file.path, "sha256": file.digest.as_str() });
+        let parameters: Map<String, Value> =
+            self.parameters.iter().map(|p| (p.name.clone(), p.distribution.record())).collect();
+        json!({
+            "format": "lampyris study 1",
+            "parameters": parameters,
+            "design": format!("{:?}", self.design),
+            "samples": self.samples,
+            "seed": self.seed,
+            "program": source.program,
+            "executable": source.executable.as_ref().map(Digest::as_str),
+            "arguments": source.arguments,
+            "read": source.script.iter().chain(&source.inputs).map(file).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// Moves a study's record and tables into a folder of its own, named by its content.
+fn set_aside(folder: &Path, record: &str) -> Result<PathBuf> {
+    let name = Digest::of_bytes(record.as_bytes());
+    let aside = folder.join(format!("earlier-{}", &name.as_str()[..12]));
+    let io = |e| Error::io(&aside, e);
+    std::fs::create_dir_all(&aside).map_err(io)?;
+    for entry in std::fs::read_dir(folder).map_err(io)? {
+        let path = entry.map_err(io)?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if name == RECORD || (name.starts_with("draws.") && name.ends_with(".csv")) {
+            std::fs::rename(&path, aside.join(&name)).map_err(io)?;
+        }
+    }
+    Ok(aside)
+}
+
+/// Names become columns of a table.
+fn check_column(what: &str, name: &str) -> Result<()> {
+    let plain = name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '.');
+    if plain && !name.is_empty() && name != "draw" {
+        return Ok(());
+    }
+    let allowed = "letters, digits, \"_\" and \".\", not \"draw\"";
+    Err(Error::out_of_range("study", &format!("name of a {what}"), format!("\"{name}\""), allowed))
+}
+
+impl Distribution {
+    /// As the script gives it.
+    fn record(&self) -> Value {
+        match self {
+            Self::Normal { mean, sd } => json!({ "normal": [mean, sd] }),
+            Self::Uniform { low, high } => json!({ "uniform": [low, high] }),
+            Self::List(values) => json!({ "list": values }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::scratch::Scratch;
+
+    fn study(samples: usize) -> Study {
+        let parameter =
+            |name: &str, distribution| Parameter { name: name.to_owned(), distribution };
+        Study {
+            parameters: vec![
+                parameter("flux", Distribution::Uniform { low: 391.0, high: 529.0 }),
+                parameter("shift", Distribution::Normal { mean: 0.0, sd: 0.15 }),
+            ],
+            design: Design::Sobol,
+            samples,
+            seed: 3,
+            shard: None,
+        }
+    }
+
+    fn results(cells: &[(String, f64)]) -> Result<Vec<(String, f64)>> {
+        Ok(vec![("i0".to_owned(), cells[0].1 * (1.0 - cells[1].1.powi(2)))])
+    }
+
+    fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+        let mut files: Vec<_> = std::fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .filter(|path| path.is_file())
+            .map(|path| {
+                (
+                    path.file_name().unwrap().to_string_lossy().into_owned(),
+                    std::fs::read(&path).unwrap(),
+                )
+            })
+            .collect();
+        files.sort();
+        files
+    }
+
+    /// Ten times stopped by an error of its run, it ends with the bytes of an unbroken one.
+    #[test]
+    fn stopped_studies_go_on_to_the_same_bytes() {
+        let (whole, broken) = (Scratch::new(), Scratch::new());
+        let source = Source::default();
+        study(32).run(&whole.path(""), &source, |_, _| {}, results).unwrap();
+        for stop in 0..10 {
+            let mut left = 3;
+            let stopped = study(32).run(
+                &broken.path(""),
+                &source,
+                |_, _| {},
+                |cells| {
+                    left -= 1;
+                    if left < 0 { Err(Error::Interrupted) } else { results(cells) }
+                },
+            );
+            assert!(stopped.is_err(), "{stop}");
+        }
+        let last = study(32).run(&broken.path(""), &source, |_, _| {}, results).unwrap();
+        assert_eq!(last.made, 2);
+        assert_eq!(files(&broken.path("")), files(&whole.path("")));
+    }
+
+    #[test]
+    fn draws_of_another_study_are_moved_aside() {
+        let scratch = Scratch::new();
+        let folder = scratch.path("");
+        let source = Source::default();
+        study(8).run(&folder, &source, |_, _| {}, results).unwrap();
+        let other = study(16).run(&folder, &source, |_, _| {}, results).unwrap();
+        assert_eq!(other.made, 16);
+        assert!(other.moved.unwrap().join("draws.csv").exists());
+        assert_eq!(study(16).run(&folder, &source, |_, _| {}, results).unwrap().made, 0);
+    }
+
+    #[test]
+    fn shards_make_the_draws_of_the_whole() {
+        let scratch = Scratch::new();
+        let whole = study(10).run(&scratch.path("whole"), &Source::default(), |_, _| {}, results);
+        let mut rows = Vec::new();
+        for number in 1..=3 {
+            let shard = Study { shard: Some(Shard { number, count: 3 }), ..study(10) };
+            let part = shard.run(&scratch.path("parts"), &Source::default(), |_, _| {}, results);
+            rows.extend(part.unwrap().table.rows);
+        }
+        rows.sort_by_key(|(index, _)| *index);
+        assert_eq!(rows, whole.unwrap().table.rows);
+    }
+
+    #[test]
+    fn bad_names_are_refused() {
+        let mut bad = study(4);
+        bad.parameters[0].name = "a,b".to_owned();
+        assert_eq!(
+            bad.check().unwrap_err().to_string(),
+            "study: name of a parameter is \"a,b\", allowed: letters, digits, \"_\" and \".\", not \"draw\""
+        );
+        let scratch = Scratch::new();
+        let same = study(4).run(
+            &scratch.path(""),
+            &Source::default(),
+            |_, _| {},
+            |_| Ok::<_, Error>(vec![("flux".to_owned(), 1.0)]),
+        );
+        let message = "study: \"flux\" is the name of a parameter and of a result";
+        assert_eq!(same.unwrap_err().to_string(), message);
+        assert!(study(0).check().is_err());
+        assert!(study(MOST_DRAWS + 1).check().is_err());
+    }
+}
