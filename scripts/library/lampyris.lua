@@ -669,6 +669,46 @@ function Display:save(path) end
 ---@return table  folder, views, rendered, kept
 function lampyris.sweep(options) end
 
+-- Studies ---------------------------------------------------------------------------------------
+
+---@class Spread
+
+---@class StudyOptions
+
+---@class Study
+---@field rows table<string, number>[]  parameters and results by name, a table a draw
+---@field draws integer  that are there
+---@field made integer  by this run
+---@field mean table<string, number>  by result
+---@field sd table<string, number>  by result
+local Study = {}
+
+---What `percent` of all draws do not exceed, and the ends of its 95 % confidence interval.
+---@param name string  of a result
+---@param percent number
+---@return number value
+---@return number low
+---@return number high
+function Study.percentile(name, percent) end
+
+---Shares of a result's variance by parameter, and how much of it they explain (1 at best).
+---@param name string  of a result
+---@return table<string, {first: number, total: number}> shares
+---@return number explained
+function Study.sensitivity(name) end
+
+---The share of draws for which the function returns true, and its 95 % confidence interval.
+---@param predicate fun(row: table<string, number>): boolean
+---@return number value
+---@return number low
+---@return number high
+function Study.probability(predicate) end
+
+---Many runs with inputs that vary; one that was stopped goes on where it was.
+---@param options StudyOptions
+---@return Study
+function lampyris.study(options) end
+
 -- Photometry ------------------------------------------------------------------------------------
 
 ---@class lampyris.photometry

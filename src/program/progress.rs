@@ -59,6 +59,12 @@ impl Progress {
         self.log(json!({ "event": "view", "view": index, "of": of }));
     }
 
+    /// Says which draw of a study is made now.
+    pub fn begin_draw(&self, index: usize, of: usize) {
+        self.bar.set_message(format!("draw {index} of {of}"));
+        self.log(json!({ "event": "draw", "draw": index, "of": of }));
+    }
+
     /// One line of JSON, if machines read.
     fn log(&self, event: serde_json::Value) {
         if self.verbosity == Verbosity::Json {

@@ -5,4 +5,5 @@ mod language;
 mod manual;
 mod mistakes;
 mod sandbox;
+mod study;
 mod sweep;

@@ -30,6 +30,8 @@ const RECORDS: &[fn() -> Class] = &[
     class::<super::scene::Object>,
     class::<super::scene::SceneOptions>,
     class::<super::spectrum::SpectrumLoadOptions>,
+    class::<super::study::Spread>,
+    class::<super::study::StudyOptions>,
     class::<super::view::ViewOptions>,
 ];
 

@@ -30,6 +30,7 @@ mod photometry;
 mod quality;
 mod scene;
 mod spectrum;
+mod study;
 mod sweep;
 mod view;
 mod views;
@@ -83,6 +84,7 @@ fn module(lua: &Lua) -> mlua::Result<Table> {
     display::register(lua, &module)?;
     image::register(lua, &module)?;
     sweep::register(lua, &module)?;
+    study::register(lua, &module)?;
     photometry::register(lua, &module)?;
     lobe_fit::register(lua, &module)?;
     figure::register(lua, &module)?;

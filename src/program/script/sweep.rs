@@ -65,7 +65,7 @@ fn script_name(host: &Host) -> String {
 }
 
 /// What the script is and has read so far.
-fn source(host: &Host, digests: &mut Digests) -> crate::Result<Source> {
+pub(super) fn source(host: &Host, digests: &mut Digests) -> crate::Result<Source> {
     let seeds = host.seeds();
     Ok(Source {
         program: sweep::program(),
@@ -140,7 +140,7 @@ pub(super) fn shot(
 
 /// Digests of files, each read once.
 #[derive(Default)]
-struct Digests(BTreeMap<PathBuf, Digest>);
+pub(super) struct Digests(BTreeMap<PathBuf, Digest>);
 
 impl Digests {
     fn of(&mut self, name: &str, path: &Path) -> crate::Result<FileDigest> {

@@ -3,9 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use super::distribution::Distribution;
 use super::run::Study;
-use super::sensitivity::sensitivity;
 use super::summary::{mean, percentile_interval, standard_deviation};
 use super::table::Table;
 use crate::error::Result;
@@ -60,19 +58,11 @@ fn section(study: &Study, table: &Table, result: &str) -> Result<String> {
 
 /// Parameters by their share of the variance, the largest on top.
 fn tornado(study: &Study, table: &Table, values: &[f64]) -> String {
-    let distributions: Vec<Distribution> =
-        study.parameters.iter().map(|p| p.distribution.clone()).collect();
-    let draws = study.draws();
-    let shares: Vec<Vec<f64>> = table
-        .rows
-        .iter()
-        .map(|(index, _)| (0..distributions.len()).map(|p| draws.share(*index, p)).collect())
-        .collect();
-    let found = match sensitivity(&distributions, &shares, values) {
+    let found = match study.sensitivity(table, values) {
         Ok(found) => found,
         Err(error) => return format!("<p>No sensitivities: {error}</p>\n"),
     };
-    let mut order: Vec<usize> = (0..distributions.len()).collect();
+    let mut order: Vec<usize> = (0..study.parameters.len()).collect();
     order.sort_by(|&a, &b| found.total[b].total_cmp(&found.total[a]));
     let mut html = format!(
         "<h3>What the variance comes from</h3>\n<p>{:.1} % of it is explained. Blue: the parameter \

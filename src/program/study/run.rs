@@ -7,6 +7,7 @@ use serde_json::{Map, Value, json};
 use super::design::{Design, Draws, MOST_DRAWS, MOST_PARAMETERS};
 use super::distribution::Distribution;
 use super::page;
+use super::sensitivity::{Sensitivity, sensitivity};
 use super::table::{Table, Writer};
 use crate::error::{Error, Result};
 use crate::output;
@@ -72,9 +73,7 @@ impl Study {
 
     /// The draws of this design.
     pub fn draws(&self) -> Draws {
-        let distributions: Vec<Distribution> =
-            self.parameters.iter().map(|p| p.distribution.clone()).collect();
-        Draws::new(self.design, &distributions, self.samples, self.seed)
+        Draws::new(self.design, &self.distributions(), self.samples, self.seed)
     }
 
     /// Values of the parameters in draw `index` (from 0).
@@ -83,6 +82,23 @@ impl Study {
             (parameter.name.clone(), parameter.distribution.quantile(draws.share(index, at)))
         };
         self.parameters.iter().enumerate().map(value).collect()
+    }
+
+    /// What the variance of `values`, one a row of `table`, comes from.
+    ///
+    /// Errors: as [`sensitivity`].
+    pub fn sensitivity(&self, table: &Table, values: &[f64]) -> Result<Sensitivity> {
+        let draws = self.draws();
+        let shares: Vec<Vec<f64>> = table
+            .rows
+            .iter()
+            .map(|(index, _)| (0..self.parameters.len()).map(|p| draws.share(*index, p)).collect())
+            .collect();
+        sensitivity(&self.distributions(), &shares, values)
+    }
+
+    fn distributions(&self) -> Vec<Distribution> {
+        self.parameters.iter().map(|p| p.distribution.clone()).collect()
     }
 
     /// Makes the draws that `folder` does not hold yet; `run` turns parameters into results.
