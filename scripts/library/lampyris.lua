@@ -672,8 +672,17 @@ function lampyris.sweep(options) end
 -- Studies ---------------------------------------------------------------------------------------
 
 ---@class Spread
+---@field normal? number[]  mean and standard deviation
+---@field uniform? number[]  lower and upper end
+---@field list? number[]  each value alike
 
 ---@class StudyOptions
+---@field parameters table<string, Spread|number[]>  `name = {normal = {mean, sd}}`, `{uniform = {low, high}}` or `{a, b, …}`
+---@field samples? integer  draws; a grid has as many as fit evenly; 1 to 65536; default 1000
+---@field design? "sobol"|"latin hypercube"|"grid"  how draws are spread; default "sobol"
+---@field seed? integer  of the draws; 0 to 9007199254740992; default 1
+---@field output string  below the output folder; gets draws.csv and index.html
+---@field run fun(parameters: table<string, number>): table<string, number|boolean>  from parameters by name to results by name: numbers, or true and false
 
 ---@class Study
 ---@field rows table<string, number>[]  parameters and results by name, a table a draw
