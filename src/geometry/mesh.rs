@@ -8,9 +8,11 @@ use crate::error::{Error, Result};
 /// Triangles over shared positions, counter-clockwise from the front. Lengths in mm.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
+    /// Corners of the triangles, mm, finite.
     pub positions: Vec<DVec3>,
     /// Position indices of the corners, 0-based, each < `positions.len()`.
     pub triangles: Vec<[u32; 3]>,
+    /// Where the shading normals come from.
     pub shading: Shading,
 }
 
@@ -22,14 +24,22 @@ pub enum Shading {
     /// One unit normal a position, used by every face around it; zero where N_g is to be used.
     PerPosition(Vec<DVec3>),
     /// Normals with indices of their own a corner, as OBJ files have them.
-    PerCorner { normals: Vec<DVec3>, triangles: Vec<[u32; 3]> },
+    PerCorner {
+        /// Unit; zero where N_g is to be used.
+        normals: Vec<DVec3>,
+        /// One a triangle of the mesh: which normal each corner has.
+        triangles: Vec<[u32; 3]>,
+    },
 }
 
-/// Scaled, then turned, then moved.
+/// How a mesh is placed in the scene: scaled, then turned, then moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
+    /// > 0.
     pub scale: f64,
+    /// Right-handed.
     pub rotation: DQuat,
+    /// mm.
     pub translation: DVec3,
 }
 
@@ -40,6 +50,7 @@ impl Default for Placement {
 }
 
 impl Placement {
+    /// The map from the mesh's own coordinates to the scene's.
     pub fn affine(&self) -> DAffine3 {
         DAffine3::from_scale_rotation_translation(
             DVec3::splat(self.scale),
@@ -144,6 +155,7 @@ impl Mesh {
         Ok(Self { shading: Shading::PerCorner { normals, triangles: normal_triangles }, ..mesh })
     }
 
+    /// Corners of a triangle in their order, mm.
     pub fn corners(&self, triangle: usize) -> [DVec3; 3] {
         self.triangles[triangle].map(|i| self.positions[i as usize])
     }
@@ -183,11 +195,12 @@ impl Mesh {
         normals.iter().map(|n| n.try_normalize().unwrap_or(DVec3::ZERO)).collect()
     }
 
-    /// Without interpolation, for Fig. 5.
+    /// The same triangles without interpolated normals, for Fig. 5.
     pub fn into_flat(self) -> Self {
         Self { shading: Shading::Flat, ..self }
     }
 
+    /// The mesh in another place; its normals stay unit.
     pub fn transformed(&self, placement: &Placement) -> Self {
         let world_from_local = placement.affine();
         let turn = |normals: &[DVec3]| normals.iter().map(|&n| placement.rotation * n).collect();

@@ -10,10 +10,12 @@ pub use glam::DVec3;
 pub use mesh::Mesh;
 pub use section::Plane;
 
-/// A half-line. `direction` is unit to f64.
+/// A half-line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray {
+    /// Where it starts, mm.
     pub origin: DVec3,
+    /// Unit to f64.
     pub direction: DVec3,
 }
 
@@ -26,8 +28,10 @@ pub struct TriangleId(pub u32);
 pub struct Hit {
     /// Along the ray from its origin, mm, > 0.
     pub distance_mm: f64,
-    /// Weights of the second and third corner (Möller–Trumbore), which feed eq. 3.
+    /// Weight of the second corner (Möller–Trumbore), which feeds eq. 3.
     pub u: f64,
+    /// Weight of the third corner.
     pub v: f64,
+    /// The triangle that is met.
     pub triangle: TriangleId,
 }

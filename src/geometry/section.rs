@@ -5,6 +5,7 @@ use super::{DVec3, Mesh};
 /// The plane through `point` across `normal`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Plane {
+    /// Any point of it, mm.
     pub point: DVec3,
     /// Unit.
     pub normal: DVec3,
