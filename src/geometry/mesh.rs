@@ -183,13 +183,19 @@ impl Mesh {
     /// Mean of the adjoining faces' unit normals, weighted by the angle at the vertex, over the
     /// faces that share the position's index; zero where they cancel.
     pub fn vertex_normals(&self) -> Vec<DVec3> {
-        let mut normals = vec![DVec3::ZERO; self.positions.len()];
-        for triangle in 0..self.triangles.len() {
+        self.weighted_normals(&self.triangles, self.positions.len())
+    }
+
+    /// `count` normals: each the mean of the faces whose corners have its number in `corners` (one
+    /// entry a triangle), weighted by the angle there; zero where they cancel.
+    pub(super) fn weighted_normals(&self, corners: &[[u32; 3]], count: usize) -> Vec<DVec3> {
+        let mut normals = vec![DVec3::ZERO; count];
+        for (triangle, numbers) in corners.iter().enumerate() {
             let n_geom = self.geometric_normal(triangle);
-            let corners = self.corners(triangle);
-            for (k, &index) in self.triangles[triangle].iter().enumerate() {
-                let [here, next, last] = [0, 1, 2].map(|step| corners[(k + step) % 3]);
-                normals[index as usize] += n_geom * angle_between(next - here, last - here);
+            let [a, b, c] = self.corners(triangle);
+            let along = [b - a, c - b, a - c].map(DVec3::normalize_or_zero);
+            for (k, &number) in numbers.iter().enumerate() {
+                normals[number as usize] += n_geom * angle_between(along[k], -along[(k + 2) % 3]);
             }
         }
         normals.iter().map(|n| n.try_normalize().unwrap_or(DVec3::ZERO)).collect()
@@ -240,9 +246,8 @@ fn unit_cross(a: DVec3, b: DVec3) -> DVec3 {
     (a / la).cross(b / lb).try_normalize().unwrap_or(DVec3::ZERO)
 }
 
-/// Angle between two vectors, 0 to π, exact for slivers too: atan2 loses nothing near 0 and π.
+/// Angle between two unit vectors, 0 to π, exact for slivers too: atan2 loses nothing near 0 and π.
 fn angle_between(a: DVec3, b: DVec3) -> f64 {
-    let (a, b) = (a.normalize_or_zero(), b.normalize_or_zero());
     a.cross(b).length().atan2(a.dot(b))
 }
 

@@ -1,9 +1,13 @@
 //! Rays, hits, meshes with their normals, OBJ import, the BVH.
 
 pub mod bvh;
+mod measure;
 pub mod mesh;
+pub mod normals;
 pub mod obj;
+pub mod polygon;
 pub mod section;
+mod weld;
 
 pub use bvh::{Bvh, Departure};
 pub use glam::DVec3;

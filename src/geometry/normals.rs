@@ -1,0 +1,320 @@
+//! Vertex normals where a mesh has none of its own (eq. 3): smooth, and sharp at creases.
+
+use super::{DVec3, Mesh};
+use crate::geometry::mesh::Shading;
+
+/// Which faces around a vertex share a normal.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Smoothing {
+    /// Those that a chain of angles within the crease angle joins.
+    ByCrease,
+    /// None (`s off`): each face is flat.
+    Off,
+    /// Those of the same smoothing group, whatever their angle.
+    Group(u32),
+}
+
+/// Stands for N_g.
+const FLAT: u32 = u32::MAX;
+
+/// Angles between faces that are equal to the crease angle count as smooth: cosines are off by this.
+const ROUNDING: f64 = 1e-9;
+
+/// More faces around a vertex are first gathered by direction, so that the work does not grow as
+/// their square.
+const MANY: usize = 256;
+
+/// Normals for a mesh that has none: the mean of the faces around a vertex, weighted by their angles,
+/// over those that `smoothing` lets share it.
+///
+/// `smoothing` holds pairs of a triangle and what holds from it on; before the first it is
+/// [`Smoothing::ByCrease`].
+pub fn creased(mesh: &Mesh, crease_deg: f64, smoothing: &[(u32, Smoothing)]) -> Shading {
+    let of_triangle = expand(smoothing, mesh.triangles.len());
+    let n_geom: Vec<DVec3> =
+        (0..mesh.triangles.len()).map(|triangle| mesh.geometric_normal(triangle)).collect();
+    let fans = Fans::new(mesh);
+    let mut sharing = Sharing {
+        cos_crease: crease_deg.to_radians().cos() - ROUNDING,
+        n_geom: &n_geom,
+        smoothing: &of_triangle,
+        leaders: Vec::new(),
+    };
+    let mut corners = vec![[FLAT; 3]; mesh.triangles.len()];
+    let mut count = 0;
+    for position in 0..mesh.positions.len() {
+        count += sharing.number(fans.around(position), count, &mut corners);
+    }
+    drop(fans);
+    shading(mesh, corners, count as usize)
+}
+
+fn shading(mesh: &Mesh, mut corners: Vec<[u32; 3]>, count: usize) -> Shading {
+    if corners == mesh.triangles {
+        return Shading::PerPosition(mesh.weighted_normals(&corners, count));
+    }
+    // One more, which stays zero.
+    for corner in corners.as_flattened_mut() {
+        *corner = (*corner).min(count as u32);
+    }
+    let mut normals = mesh.weighted_normals(&corners, count + 1);
+    normals[count] = DVec3::ZERO;
+    Shading::PerCorner { normals, triangles: corners }
+}
+
+fn expand(smoothing: &[(u32, Smoothing)], count: usize) -> Vec<Smoothing> {
+    if smoothing.iter().all(|&(_, one)| one == Smoothing::ByCrease) {
+        return Vec::new();
+    }
+    let mut all = vec![Smoothing::ByCrease; count];
+    for &(first, one) in smoothing {
+        all[first as usize..].fill(one);
+    }
+    all
+}
+
+/// Which corners of which triangles lie at each position.
+struct Fans {
+    /// Start of each position's list.
+    starts: Vec<u32>,
+    /// Three times the triangle plus the corner.
+    corners: Vec<u32>,
+}
+
+impl Fans {
+    fn new(mesh: &Mesh) -> Self {
+        let all = mesh.triangles.as_flattened();
+        let mut starts = vec![0; mesh.positions.len() + 1];
+        all.iter().for_each(|&position| starts[position as usize + 1] += 1);
+        for position in 1..starts.len() {
+            starts[position] += starts[position - 1];
+        }
+        let mut corners = vec![0; all.len()];
+        let mut ends = starts.clone();
+        for (corner, &position) in (0..).zip(all) {
+            corners[ends[position as usize] as usize] = corner;
+            ends[position as usize] += 1;
+        }
+        Self { starts, corners }
+    }
+
+    fn around(&self, position: usize) -> &[u32] {
+        &self.corners[self.starts[position] as usize..self.starts[position + 1] as usize]
+    }
+}
+
+/// Parts the faces around a vertex into those that share a normal.
+struct Sharing<'a> {
+    cos_crease: f64,
+    n_geom: &'a [DVec3],
+    /// Empty if all are by crease.
+    smoothing: &'a [Smoothing],
+    /// For each face of the fan, one that it shares its normal with, at or before it.
+    leaders: Vec<usize>,
+}
+
+impl Sharing<'_> {
+    /// Gives the corners of a fan the numbers of their normals, from `first` on; how many there are.
+    ///
+    /// A face that shares with none stays flat, unless it is alone at the vertex.
+    fn number(&mut self, fan: &[u32], first: u32, corners: &mut [[u32; 3]]) -> u32 {
+        self.part(fan);
+        let mut count = 0;
+        let mut put = |corner: u32, number: u32| {
+            corners[corner as usize / 3][corner as usize % 3] = number;
+        };
+        // Leaders come first: their number is known when the others ask for it.
+        let mut numbers = vec![FLAT; if fan.len() > 1 { fan.len() } else { 0 }];
+        let is_off = |corner: u32| self.smoothing_of(corner) == Smoothing::Off;
+        match fan {
+            [] => {}
+            [corner] if !is_off(*corner) => {
+                put(*corner, first);
+                count = 1;
+            }
+            [_] => {}
+            _ => {
+                let mut members = vec![0u32; fan.len()];
+                self.leaders.iter().for_each(|&leader| members[leader] += 1);
+                for (at, &corner) in fan.iter().enumerate() {
+                    let leader = self.leaders[at];
+                    if members[leader] > 1 && numbers[leader] == FLAT {
+                        numbers[leader] = first + count;
+                        count += 1;
+                    }
+                    put(corner, numbers[leader]);
+                }
+            }
+        }
+        count
+    }
+
+    fn part(&mut self, fan: &[u32]) {
+        self.leaders.clear();
+        if fan.len() > MANY {
+            return self.part_many(fan);
+        }
+        self.leaders.extend(0..fan.len());
+        if fan.len() > 1 && fan[1..].iter().all(|&corner| self.shares(fan[0], corner)) {
+            self.leaders.fill(0);
+            return;
+        }
+        let faces: Vec<u32> = fan.to_vec();
+        self.join(&faces);
+    }
+
+    /// As [`Sharing::part`], over one face for each direction (to 1/16) and smoothing.
+    fn part_many(&mut self, fan: &[u32]) {
+        let key = |corner: u32| {
+            let cell =
+                self.n_geom[corner as usize / 3].to_array().map(|x| (x * 16.0).round() as i8);
+            (self.smoothing_of(corner), cell)
+        };
+        let mut order: Vec<usize> = (0..fan.len()).collect();
+        order.sort_by_key(|&at| (key(fan[at]), at));
+        let firsts: Vec<usize> = order
+            .chunk_by(|&a, &b| {
+                key(fan[a]) == key(fan[b]) && self.smoothing_of(fan[a]) != Smoothing::Off
+            })
+            .map(|same| same[0])
+            .collect();
+        let group_of: Vec<(usize, usize)> = order
+            .chunk_by(|&a, &b| {
+                key(fan[a]) == key(fan[b]) && self.smoothing_of(fan[a]) != Smoothing::Off
+            })
+            .enumerate()
+            .flat_map(|(group, same)| same.iter().map(move |&at| (at, group)))
+            .collect();
+        let faces: Vec<u32> = firsts.iter().map(|&at| fan[at]).collect();
+        self.leaders.extend(0..faces.len());
+        self.join(&faces);
+        let leaders = std::mem::take(&mut self.leaders);
+        self.leaders = vec![0; fan.len()];
+        for (at, group) in group_of {
+            self.leaders[at] = firsts[leaders[group]];
+        }
+    }
+
+    /// Joins every two faces that share; then each one's leader is the first it is joined with.
+    fn join(&mut self, faces: &[u32]) {
+        for here in 1..faces.len() {
+            for there in 0..here {
+                if self.leader(here) != self.leader(there) && self.shares(faces[here], faces[there])
+                {
+                    let (a, b) = (self.leader(here), self.leader(there));
+                    self.leaders[a.max(b)] = a.min(b);
+                }
+            }
+        }
+        for at in 0..faces.len() {
+            self.leaders[at] = self.leader(at);
+        }
+    }
+
+    fn leader(&self, mut at: usize) -> usize {
+        while self.leaders[at] != at {
+            at = self.leaders[at];
+        }
+        at
+    }
+
+    fn shares(&self, a: u32, b: u32) -> bool {
+        match (self.smoothing_of(a), self.smoothing_of(b)) {
+            (Smoothing::ByCrease, Smoothing::ByCrease) => {
+                self.n_geom[a as usize / 3].dot(self.n_geom[b as usize / 3]) >= self.cos_crease
+            }
+            (Smoothing::Group(a), Smoothing::Group(b)) => a == b,
+            _ => false,
+        }
+    }
+
+    fn smoothing_of(&self, corner: u32) -> Smoothing {
+        self.smoothing.get(corner as usize / 3).copied().unwrap_or(Smoothing::ByCrease)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A prism of `sides` sides without ends.
+    fn prism(sides: u32) -> Mesh {
+        let rim = (0..2 * sides).map(|k| {
+            let angle = f64::from(k / 2) / f64::from(sides) * std::f64::consts::TAU;
+            DVec3::new(angle.cos(), angle.sin(), f64::from(k % 2))
+        });
+        let quad = |k: u32| {
+            let next = (k + 1) % sides;
+            [[2 * k, 2 * next, 2 * next + 1], [2 * k, 2 * next + 1, 2 * k + 1]]
+        };
+        Mesh::flat("prism", rim.collect(), (0..sides).flat_map(quad).collect()).unwrap()
+    }
+
+    /// Largest angle between shading and geometric normal at the triangles' corners, degrees.
+    fn bend_deg(mesh: &Mesh) -> f64 {
+        let corners = [[0., 0.], [1., 0.], [0., 1.]];
+        let bend = |triangle, corner| {
+            let n_geom = mesh.geometric_normal(triangle);
+            n_geom.dot(mesh.shading_normal(triangle, corner, n_geom)).min(1.0).acos().to_degrees()
+        };
+        (0..mesh.triangles.len())
+            .flat_map(|triangle| corners.map(|corner| bend(triangle, corner)))
+            .fold(0.0, f64::max)
+    }
+
+    fn with(mesh: &Mesh, crease_deg: f64, smoothing: &[(u32, Smoothing)]) -> Mesh {
+        Mesh { shading: creased(mesh, crease_deg, smoothing), ..mesh.clone() }
+    }
+
+    /// Nine sides meet at 40°, eight at 45°.
+    #[test]
+    fn edges_within_the_crease_angle_are_smooth() {
+        assert!(bend_deg(&with(&prism(8), 40.0, &[])) < 1e-5);
+        let smooth = bend_deg(&with(&prism(9), 40.0, &[]));
+        assert!((smooth - 20.0).abs() < 10.0, "{smooth}");
+        assert!(matches!(with(&prism(9), 40.0, &[]).shading, Shading::PerPosition(_)));
+        assert!(bend_deg(&with(&prism(8), 45.0, &[])) > 10.0);
+    }
+
+    #[test]
+    fn a_crease_of_180_degrees_is_the_plain_mean() {
+        let mesh = prism(4);
+        let plain = Mesh::smooth("prism", mesh.positions.clone(), mesh.triangles.clone()).unwrap();
+        assert_eq!(with(&mesh, 180.0, &[]), plain);
+    }
+
+    #[test]
+    fn smoothing_groups_decide_where_they_are_given() {
+        let mesh = prism(4);
+        let smooth = with(&mesh, 0.0, &[(0, Smoothing::Group(1))]);
+        assert!(bend_deg(&smooth) > 20.0);
+        assert!(bend_deg(&with(&prism(30), 180.0, &[(0, Smoothing::Off)])) < 1e-5);
+        // Two sides of one group, two of another: sharp between them, smooth inside.
+        let halves = with(&mesh, 0.0, &[(0, Smoothing::Group(1)), (4, Smoothing::Group(2))]);
+        let Shading::PerCorner { normals, .. } = &halves.shading else { panic!() };
+        // At each of the 8 positions: one of each group, or one of both groups.
+        assert_eq!(normals.iter().filter(|&&n| n != DVec3::ZERO).count(), 12);
+    }
+
+    /// A fan of more faces than are compared one by one gives what the comparison gives.
+    #[test]
+    fn large_fans_are_parted_alike() {
+        let cone = |sides: u32, height: f64| {
+            let rim = (0..sides).map(|k| {
+                let angle = f64::from(k) / f64::from(sides) * std::f64::consts::TAU;
+                DVec3::new(angle.cos(), angle.sin(), 0.0)
+            });
+            let positions = rim.chain([DVec3::Z * height]).collect();
+            let triangles = (0..sides).map(|k| [k, (k + 1) % sides, sides]).collect();
+            Mesh::flat("cone", positions, triangles).unwrap()
+        };
+        for sides in [200, 1000] {
+            // Smooth around, though opposite faces are 127° apart.
+            let mesh = with(&cone(sides, 2.0), 40.0, &[]);
+            let tip = mesh.shading_normal(0, [0.0, 1.0], mesh.geometric_normal(0));
+            assert!((tip - DVec3::Z).length() < 1e-12, "{sides}: {tip}");
+            let off = with(&cone(sides, 2.0), 40.0, &[(0, Smoothing::Off)]);
+            assert!(bend_deg(&off) < 1e-5);
+        }
+    }
+}
