@@ -183,15 +183,21 @@ impl Mesh {
     /// Mean of the adjoining faces' unit normals, weighted by the angle at the vertex, over the
     /// faces that share the position's index; zero where they cancel.
     pub fn vertex_normals(&self) -> Vec<DVec3> {
-        self.weighted_normals(&self.triangles, self.positions.len())
+        let n_geom = |triangle| self.geometric_normal(triangle);
+        self.weighted_normals(&self.triangles, self.positions.len(), n_geom)
     }
 
     /// `count` normals: each the mean of the faces whose corners have its number in `corners` (one
     /// entry a triangle), weighted by the angle there; zero where they cancel.
-    pub(super) fn weighted_normals(&self, corners: &[[u32; 3]], count: usize) -> Vec<DVec3> {
+    pub(super) fn weighted_normals(
+        &self,
+        corners: &[[u32; 3]],
+        count: usize,
+        n_geom: impl Fn(usize) -> DVec3,
+    ) -> Vec<DVec3> {
         let mut normals = vec![DVec3::ZERO; count];
         for (triangle, numbers) in corners.iter().enumerate() {
-            let n_geom = self.geometric_normal(triangle);
+            let n_geom = n_geom(triangle);
             let [a, b, c] = self.corners(triangle);
             let along = [b - a, c - b, a - c].map(DVec3::normalize_or_zero);
             for (k, &number) in numbers.iter().enumerate() {

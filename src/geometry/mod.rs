@@ -1,6 +1,7 @@
 //! Rays, hits, meshes with their normals, OBJ import, the BVH.
 
 pub mod bvh;
+pub mod import;
 mod measure;
 pub mod mesh;
 pub mod normals;

@@ -46,18 +46,19 @@ pub fn creased(mesh: &Mesh, crease_deg: f64, smoothing: &[(u32, Smoothing)]) -> 
         count += sharing.number(fans.around(position), count, &mut corners);
     }
     drop(fans);
-    shading(mesh, corners, count as usize)
+    shading(mesh, corners, count as usize, &n_geom)
 }
 
-fn shading(mesh: &Mesh, mut corners: Vec<[u32; 3]>, count: usize) -> Shading {
+fn shading(mesh: &Mesh, mut corners: Vec<[u32; 3]>, count: usize, n_geom: &[DVec3]) -> Shading {
+    let n_geom = |triangle: usize| n_geom[triangle];
     if corners == mesh.triangles {
-        return Shading::PerPosition(mesh.weighted_normals(&corners, count));
+        return Shading::PerPosition(mesh.weighted_normals(&corners, count, n_geom));
     }
     // One more, which stays zero.
     for corner in corners.as_flattened_mut() {
         *corner = (*corner).min(count as u32);
     }
-    let mut normals = mesh.weighted_normals(&corners, count + 1);
+    let mut normals = mesh.weighted_normals(&corners, count + 1, n_geom);
     normals[count] = DVec3::ZERO;
     Shading::PerCorner { normals, triangles: corners }
 }
@@ -118,35 +119,35 @@ impl Sharing<'_> {
     ///
     /// A face that shares with none stays flat, unless it is alone at the vertex.
     fn number(&mut self, fan: &[u32], first: u32, corners: &mut [[u32; 3]]) -> u32 {
-        self.part(fan);
-        let mut count = 0;
         let mut put = |corner: u32, number: u32| {
             corners[corner as usize / 3][corner as usize % 3] = number;
         };
-        // Leaders come first: their number is known when the others ask for it.
-        let mut numbers = vec![FLAT; if fan.len() > 1 { fan.len() } else { 0 }];
-        let is_off = |corner: u32| self.smoothing_of(corner) == Smoothing::Off;
-        match fan {
-            [] => {}
-            [corner] if !is_off(*corner) => {
-                put(*corner, first);
-                count = 1;
+        let is_one = fan.iter().skip(1).all(|&corner| self.shares(fan[0], corner));
+        if is_one && fan.len() < 2 && self.is_off(fan) {
+            return 0;
+        }
+        if is_one {
+            fan.iter().for_each(|&corner| put(corner, first));
+            return 1;
+        }
+        self.part(fan);
+        let mut count = 0;
+        let mut numbers = vec![FLAT; fan.len()];
+        let mut members = vec![0u32; fan.len()];
+        self.leaders.iter().for_each(|&leader| members[leader] += 1);
+        for (&corner, &leader) in fan.iter().zip(&self.leaders) {
+            if members[leader] > 1 && numbers[leader] == FLAT {
+                numbers[leader] = first + count;
+                count += 1;
             }
-            [_] => {}
-            _ => {
-                let mut members = vec![0u32; fan.len()];
-                self.leaders.iter().for_each(|&leader| members[leader] += 1);
-                for (at, &corner) in fan.iter().enumerate() {
-                    let leader = self.leaders[at];
-                    if members[leader] > 1 && numbers[leader] == FLAT {
-                        numbers[leader] = first + count;
-                        count += 1;
-                    }
-                    put(corner, numbers[leader]);
-                }
-            }
+            put(corner, numbers[leader]);
         }
         count
+    }
+
+    /// Whether a fan of at most one face is to be flat, or has none.
+    fn is_off(&self, fan: &[u32]) -> bool {
+        fan.iter().all(|&corner| self.smoothing_of(corner) == Smoothing::Off)
     }
 
     fn part(&mut self, fan: &[u32]) {
@@ -155,12 +156,7 @@ impl Sharing<'_> {
             return self.part_many(fan);
         }
         self.leaders.extend(0..fan.len());
-        if fan.len() > 1 && fan[1..].iter().all(|&corner| self.shares(fan[0], corner)) {
-            self.leaders.fill(0);
-            return;
-        }
-        let faces: Vec<u32> = fan.to_vec();
-        self.join(&faces);
+        self.join(fan);
     }
 
     /// As [`Sharing::part`], over one face for each direction (to 1/16) and smoothing.
@@ -292,8 +288,9 @@ mod tests {
         // Two sides of one group, two of another: sharp between them, smooth inside.
         let halves = with(&mesh, 0.0, &[(0, Smoothing::Group(1)), (4, Smoothing::Group(2))]);
         let Shading::PerCorner { normals, .. } = &halves.shading else { panic!() };
-        // At each of the 8 positions: one of each group, or one of both groups.
-        assert_eq!(normals.iter().filter(|&&n| n != DVec3::ZERO).count(), 12);
+        // At 4 positions one, of two sides; at the others one, of a side's two triangles; the third
+        // triangle there is flat.
+        assert_eq!(normals.iter().filter(|&&n| n != DVec3::ZERO).count(), 8);
     }
 
     /// A fan of more faces than are compared one by one gives what the comparison gives.

@@ -1,0 +1,185 @@
+//! Mesh files as CAD systems write them, told apart by content.
+//!
+//! Each reader fills [`Polygons`]; what follows is the same for all: choice of parts, welding,
+//! cutting into triangles, normals.
+
+mod encoding;
+mod gltf;
+mod obj;
+mod parts;
+mod ply;
+mod polygons;
+mod refused;
+mod stl;
+
+use std::path::Path;
+
+use super::Mesh;
+use crate::error::{Error, Place, Result};
+use parts::Run;
+use polygons::Polygons;
+
+/// Which of a file's faces are wanted: those that have all of the names that are given.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Selection {
+    /// One of the names after `g`; if no face has it, an object's.
+    pub group: Option<Vec<u8>>,
+    /// The name after `o`, of a glTF node, of an STL solid.
+    pub object: Option<Vec<u8>>,
+    /// The name after `usemtl`, of a glTF material.
+    pub material: Option<Vec<u8>>,
+}
+
+/// How the shading normals come about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Interpolation {
+    /// The file's own, else smooth up to the crease angle.
+    Smooth,
+    /// N = N_g.
+    Flat,
+}
+
+/// What a file does not say.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reading {
+    /// The parts to read.
+    pub selection: Selection,
+    /// Length of the file's unit times the scale wanted, mm, > 0.
+    pub unit_mm: f64,
+    /// Vertices no farther apart are one, ≥ 0; 0: those exactly equal.
+    pub weld_mm: f64,
+    /// Where the file has neither normals nor smoothing groups, faces at a larger angle meet at a
+    /// sharp edge; 0 to 180.
+    pub crease_deg: f64,
+    /// Shading normals.
+    pub interpolation: Interpolation,
+}
+
+/// Faces of CAD parts meet at 90° or, at chamfers, 45°; tessellations of round parts stay below 30°.
+pub const CREASE_DEG: f64 = 40.0;
+
+impl Default for Reading {
+    fn default() -> Self {
+        Self {
+            selection: Selection::default(),
+            unit_mm: 1.0,
+            weld_mm: 0.0,
+            crease_deg: CREASE_DEG,
+            interpolation: Interpolation::Smooth,
+        }
+    }
+}
+
+/// A mesh and what its file was taken for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshFile {
+    /// The wanted faces.
+    pub mesh: Mesh,
+    /// Such as "OBJ" or "binary STL".
+    pub format: &'static str,
+    /// Names of the groups that have faces, wanted or not, in the file's order.
+    pub groups: Vec<String>,
+    /// Names of the objects that have faces.
+    pub objects: Vec<String>,
+    /// Names of the materials that have faces.
+    pub materials: Vec<String>,
+    /// What was mended or left out, in words.
+    pub warnings: Vec<String>,
+}
+
+/// What is wrong with a file, before it has a path.
+#[derive(Debug, PartialEq)]
+pub(super) struct Fault {
+    pub place: Place,
+    pub problem: String,
+}
+
+impl Fault {
+    fn file(problem: impl Into<String>) -> Self {
+        Self { place: Place::File, problem: problem.into() }
+    }
+
+    fn record(number: usize, problem: impl Into<String>) -> Self {
+        Self { place: Place::Record(number as u64), problem: problem.into() }
+    }
+}
+
+type Parsed<T> = std::result::Result<T, Fault>;
+
+/// What a format's reader finds.
+struct Contents {
+    format: &'static str,
+    polygons: Polygons,
+    warnings: Vec<String>,
+}
+
+/// Reads a mesh file: OBJ, STL, PLY, glTF or GLB.
+///
+/// Errors: [`Error::Io`]; [`Error::BadFile`] with the line or record; other formats, with how to
+/// export; a part that is not there, with the names that are.
+pub fn load(path: &Path, reading: &Reading) -> Result<MeshFile> {
+    let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+    from_bytes(path, bytes, reading)
+}
+
+/// As [`load`], of a file's bytes; buffers beside a glTF file are looked for beside `path`.
+pub fn from_bytes(path: &Path, bytes: Vec<u8>, reading: &Reading) -> Result<MeshFile> {
+    parse(path, bytes, reading).map_err(|fault| Error::bad_file(path, fault.place, fault.problem))
+}
+
+/// Whether the file is a mesh for [`load`], by its first bytes and, for OBJ, its name.
+pub fn is_mesh(path: &Path, start: &[u8]) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    let has = |name: &str| extension.eq_ignore_ascii_case(name);
+    refused::advice(start).is_some_and(|advice| advice.is_of_mesh)
+        || ply::is_ply(start)
+        || start.starts_with(b"glTF")
+        || ["obj", "stl", "gltf", "glb", "ply"].into_iter().any(has)
+}
+
+fn parse(path: &Path, bytes: Vec<u8>, reading: &Reading) -> Parsed<MeshFile> {
+    if let Some(advice) = refused::advice(&bytes) {
+        return Err(Fault::file(advice.problem));
+    }
+    let contents = contents(path, bytes)?;
+    let Contents { format, mut polygons, mut warnings } = contents;
+    let chosen = polygons.parts.select(&reading.selection)?;
+    if let Some(chosen) = chosen {
+        polygons.keep(&chosen);
+    }
+    let names = |names: &parts::Names| names.with_faces().collect();
+    let (groups, objects, materials) = (
+        names(&polygons.parts.groups),
+        names(&polygons.parts.objects),
+        names(&polygons.parts.materials),
+    );
+    let mesh = polygons.into_mesh(reading, &mut warnings)?;
+    Ok(MeshFile { mesh, format, groups, objects, materials, warnings })
+}
+
+fn contents(path: &Path, bytes: Vec<u8>) -> Parsed<Contents> {
+    let bytes = encoding::to_ascii_based(bytes);
+    if ply::is_ply(&bytes) {
+        return ply::parse(&bytes);
+    }
+    let first = bytes.trim_ascii_start();
+    if bytes.starts_with(b"glTF") || first.starts_with(b"{") {
+        return gltf::parse(&bytes, path.parent().unwrap_or(Path::new("")));
+    }
+    if stl::is_binary(&bytes) {
+        return stl::parse_binary(&bytes);
+    }
+    if stl::is_ascii(first) {
+        return stl::parse_ascii(&bytes);
+    }
+    if bytes.iter().take(4096).any(|&byte| byte == 0) {
+        return match stl::announced(&bytes) {
+            Some(problem) => Err(Fault::file(problem)),
+            None => Err(Fault::file("is no mesh: neither OBJ, STL, PLY nor glTF")),
+        };
+    }
+    obj::parse(bytes)
+}
+
+#[cfg(test)]
+mod tests;
