@@ -88,14 +88,25 @@ lampyris.mesh = {}
 ---@class Mesh
 ---@field triangle_count integer
 ---@field bounds vector[]  lowest and highest corner, mm
+---@field area number  mm²
+---@field volume number  mm³, of a closed mesh; negative if its fronts are inside
+---@field open_edges integer  0: the mesh is closed
+---@field groups string[]  names of the file's groups that have faces
+---@field objects string[]  names of its objects that have faces
+---@field materials string[]  names of its materials that have faces
 local Mesh = {}
 
 ---@class MeshLoadOptions
 ---@field smooth? boolean  interpolated normals (eq. 3); default true
 ---@field scale? number  above 0; default 1
+---@field unit? "mm"|"cm"|"m"|"um"|"inch"|"in"|"ft"  of the file's lengths; default "mm"
 ---@field group? string  only this group of the file; default all
+---@field object? string  only this object (OBJ's `o`, a glTF node, an STL solid); default all
+---@field material? string  only what has this material (OBJ's `usemtl`); default all
+---@field weld? number  vertices this near are one, before normals are made; 0: those exactly equal; 0 or more mm; default 0
+---@field crease? number  where the file has no normals and no smoothing groups, sharper edges stay sharp; 0 to 180 degrees; default 40
 
----Reads an OBJ file.
+---Reads a mesh: OBJ, STL, PLY, glTF or GLB, told apart by content.
 ---@param path string
 ---@param options? MeshLoadOptions
 ---@return Mesh
@@ -134,6 +145,7 @@ function lampyris.mesh.merge(meshes) end
 
 ---Scaled, then turned, then moved.
 ---@class Transform
+---@field mirror? "x"|"y"|"z"  this coordinate changes its sign; fronts stay fronts; default none
 ---@field translate? vector  mm; default {0, 0, 0}
 ---@field rotate? Rotation
 ---@field scale? number  above 0; default 1

@@ -32,9 +32,22 @@ pub enum Shading {
     },
 }
 
-/// How a mesh is placed in the scene: scaled, then turned, then moved.
+/// A direction of the coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// To the viewer's right.
+    X,
+    /// Up.
+    Y,
+    /// Out of the lamp.
+    Z,
+}
+
+/// How a mesh is placed in the scene: mirrored, then scaled, then turned, then moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Placement {
+    /// The coordinate that changes its sign; fronts stay fronts.
+    pub mirror: Option<Axis>,
     /// > 0.
     pub scale: f64,
     /// Right-handed.
@@ -45,7 +58,7 @@ pub struct Placement {
 
 impl Default for Placement {
     fn default() -> Self {
-        Self { scale: 1.0, rotation: DQuat::IDENTITY, translation: DVec3::ZERO }
+        Self { mirror: None, scale: 1.0, rotation: DQuat::IDENTITY, translation: DVec3::ZERO }
     }
 }
 
@@ -53,10 +66,20 @@ impl Placement {
     /// The map from the mesh's own coordinates to the scene's.
     pub fn affine(&self) -> DAffine3 {
         DAffine3::from_scale_rotation_translation(
-            DVec3::splat(self.scale),
+            self.signs() * self.scale,
             self.rotation,
             self.translation,
         )
+    }
+
+    /// −1 for the coordinate that is mirrored, else 1.
+    fn signs(&self) -> DVec3 {
+        match self.mirror {
+            None => DVec3::ONE,
+            Some(Axis::X) => DVec3::new(-1.0, 1.0, 1.0),
+            Some(Axis::Y) => DVec3::new(1.0, -1.0, 1.0),
+            Some(Axis::Z) => DVec3::new(1.0, 1.0, -1.0),
+        }
     }
 }
 
@@ -183,25 +206,13 @@ impl Mesh {
     /// Mean of the adjoining faces' unit normals, weighted by the angle at the vertex, over the
     /// faces that share the position's index; zero where they cancel.
     pub fn vertex_normals(&self) -> Vec<DVec3> {
-        let n_geom = |triangle| self.geometric_normal(triangle);
-        self.weighted_normals(&self.triangles, self.positions.len(), n_geom)
-    }
-
-    /// `count` normals: each the mean of the faces whose corners have its number in `corners` (one
-    /// entry a triangle), weighted by the angle there; zero where they cancel.
-    pub(super) fn weighted_normals(
-        &self,
-        corners: &[[u32; 3]],
-        count: usize,
-        n_geom: impl Fn(usize) -> DVec3,
-    ) -> Vec<DVec3> {
-        let mut normals = vec![DVec3::ZERO; count];
-        for (triangle, numbers) in corners.iter().enumerate() {
-            let n_geom = n_geom(triangle);
-            let [a, b, c] = self.corners(triangle);
-            let along = [b - a, c - b, a - c].map(DVec3::normalize_or_zero);
-            for (k, &number) in numbers.iter().enumerate() {
-                normals[number as usize] += n_geom * angle_between(along[k], -along[(k + 2) % 3]);
+        let mut normals = vec![DVec3::ZERO; self.positions.len()];
+        for (triangle, places) in self.triangles.iter().enumerate() {
+            let n_geom = self.geometric_normal(triangle);
+            let corners = self.corners(triangle);
+            for (k, &place) in places.iter().enumerate() {
+                let [here, next, last] = [0, 1, 2].map(|step| corners[(k + step) % 3]);
+                normals[place as usize] += n_geom * angle_between(next - here, last - here);
             }
         }
         normals.iter().map(|n| n.try_normalize().unwrap_or(DVec3::ZERO)).collect()
@@ -212,22 +223,27 @@ impl Mesh {
         Self { shading: Shading::Flat, ..self }
     }
 
-    /// The mesh in another place; its normals stay unit.
+    /// The mesh in another place; its normals stay unit, its fronts fronts.
     pub fn transformed(&self, placement: &Placement) -> Self {
         let world_from_local = placement.affine();
-        let turn = |normals: &[DVec3]| normals.iter().map(|&n| placement.rotation * n).collect();
+        let turn = |normals: &[DVec3]| {
+            let signs = placement.signs();
+            normals.iter().map(|&n| placement.rotation * (signs * n)).collect()
+        };
+        // Seen in a mirror, corners run the other way.
+        let wind = |triangles: &[[u32; 3]]| match placement.mirror {
+            None => triangles.to_vec(),
+            Some(_) => triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(),
+        };
+        let move_to = |&p: &DVec3| world_from_local.transform_point3(p);
         Self {
-            positions: self
-                .positions
-                .iter()
-                .map(|&p| world_from_local.transform_point3(p))
-                .collect(),
-            triangles: self.triangles.clone(),
+            positions: self.positions.iter().map(move_to).collect(),
+            triangles: wind(&self.triangles),
             shading: match &self.shading {
                 Shading::Flat => Shading::Flat,
                 Shading::PerPosition(normals) => Shading::PerPosition(turn(normals)),
                 Shading::PerCorner { normals, triangles } => {
-                    Shading::PerCorner { normals: turn(normals), triangles: triangles.clone() }
+                    Shading::PerCorner { normals: turn(normals), triangles: wind(triangles) }
                 }
             },
         }
@@ -252,8 +268,9 @@ fn unit_cross(a: DVec3, b: DVec3) -> DVec3 {
     (a / la).cross(b / lb).try_normalize().unwrap_or(DVec3::ZERO)
 }
 
-/// Angle between two unit vectors, 0 to π, exact for slivers too: atan2 loses nothing near 0 and π.
+/// Angle between two vectors, 0 to π, exact for slivers too: atan2 loses nothing near 0 and π.
 fn angle_between(a: DVec3, b: DVec3) -> f64 {
+    let (a, b) = (a.normalize_or_zero(), b.normalize_or_zero());
     a.cross(b).length().atan2(a.dot(b))
 }
 
@@ -315,6 +332,27 @@ mod tests {
             message(Mesh::flat("mesh", vec![v(f64::NAN, 0., 0.)], vec![[0, 0, 0]])),
             "mesh: position 1 is [NaN, 0, 0], allowed: finite numbers"
         );
+    }
+
+    #[test]
+    fn a_mirrored_mesh_keeps_its_fronts_outside() {
+        let positions = vec![v(0., 0., 0.), v(2., 0., 0.), v(0., 3., 0.), v(0., 0., 5.)];
+        let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let mesh = Mesh::smooth("m", positions, triangles).unwrap();
+        for axis in [Axis::X, Axis::Y, Axis::Z] {
+            let placement = Placement { mirror: Some(axis), ..Placement::default() };
+            let mirrored = mesh.transformed(&placement);
+            assert_eq!(mirrored.volume_mm3(), mesh.volume_mm3());
+            let signs = placement.signs();
+            for triangle in 0..4 {
+                let n_geom = mesh.geometric_normal(triangle);
+                assert_eq!(mirrored.geometric_normal(triangle), signs * n_geom);
+                let normal = mesh.shading_normal(triangle, [0.25, 0.5], n_geom);
+                let turned = mirrored.shading_normal(triangle, [0.5, 0.25], signs * n_geom);
+                assert!((turned - signs * normal).length() < 1e-15);
+            }
+            assert_eq!(mirrored.transformed(&placement), mesh);
+        }
     }
 
     #[test]

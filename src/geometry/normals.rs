@@ -1,5 +1,7 @@
 //! Vertex normals where a mesh has none of its own (eq. 3): smooth, and sharp at creases.
 
+use std::f64::consts::PI;
+
 use super::{DVec3, Mesh};
 use crate::geometry::mesh::Shading;
 
@@ -50,17 +52,41 @@ pub fn creased(mesh: &Mesh, crease_deg: f64, smoothing: &[(u32, Smoothing)]) -> 
 }
 
 fn shading(mesh: &Mesh, mut corners: Vec<[u32; 3]>, count: usize, n_geom: &[DVec3]) -> Shading {
-    let n_geom = |triangle: usize| n_geom[triangle];
     if corners == mesh.triangles {
-        return Shading::PerPosition(mesh.weighted_normals(&corners, count, n_geom));
+        return Shading::PerPosition(means(mesh, &corners, count, n_geom));
     }
     // One more, which stays zero.
     for corner in corners.as_flattened_mut() {
         *corner = (*corner).min(count as u32);
     }
-    let mut normals = mesh.weighted_normals(&corners, count + 1, n_geom);
+    let mut normals = means(mesh, &corners, count + 1, n_geom);
     normals[count] = DVec3::ZERO;
     Shading::PerCorner { normals, triangles: corners }
+}
+
+/// `count` normals: each the mean of the faces whose corners have its number in `corners`, weighted by
+/// the angle there; zero where they cancel.
+///
+/// Its bits are not those of [`Mesh::vertex_normals`]: two arcs a triangle make three angles.
+fn means(mesh: &Mesh, corners: &[[u32; 3]], count: usize, n_geom: &[DVec3]) -> Vec<DVec3> {
+    let mut normals = vec![DVec3::ZERO; count];
+    for (triangle, numbers) in corners.iter().enumerate() {
+        let angles = angles(mesh.corners(triangle));
+        for (&number, angle) in numbers.iter().zip(angles) {
+            normals[number as usize] += n_geom[triangle] * angle;
+        }
+    }
+    normals.iter_mut().for_each(|n| *n = n.try_normalize().unwrap_or(DVec3::ZERO));
+    normals
+}
+
+/// A triangle's angles. The sine of each times its sides is twice the area.
+fn angles([a, b, c]: [DVec3; 3]) -> [f64; 3] {
+    let (ab, ac, bc) = (b - a, c - a, c - b);
+    let doubled_area = ab.cross(ac).length();
+    let at_a = doubled_area.atan2(ab.dot(ac));
+    let at_b = doubled_area.atan2(-ab.dot(bc));
+    [at_a, at_b, (PI - at_a - at_b).max(0.0)]
 }
 
 fn expand(smoothing: &[(u32, Smoothing)], count: usize) -> Vec<Smoothing> {
@@ -275,8 +301,19 @@ mod tests {
     #[test]
     fn a_crease_of_180_degrees_is_the_plain_mean() {
         let mesh = prism(4);
-        let plain = Mesh::smooth("prism", mesh.positions.clone(), mesh.triangles.clone()).unwrap();
-        assert_eq!(with(&mesh, 180.0, &[]), plain);
+        let Shading::PerPosition(made) = with(&mesh, 180.0, &[]).shading else { panic!() };
+        for (made, plain) in made.iter().zip(mesh.vertex_normals()) {
+            assert!((*made - plain).length() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn angles_of_slivers_are_those_of_their_corners() {
+        let sliver = [DVec3::ZERO, DVec3::X, DVec3::new(0.5, 1e-9, 0.0)];
+        let [a, b, c] = angles(sliver);
+        assert!((a / 2e-9 - 1.0).abs() < 1e-12 && (b / 2e-9 - 1.0).abs() < 1e-12);
+        assert!((c - PI + 4e-9).abs() < 1e-15);
+        assert_eq!(angles([DVec3::ONE; 3]).map(f64::is_finite), [true; 3]);
     }
 
     #[test]

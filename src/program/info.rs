@@ -1,4 +1,4 @@
-//! What a file holds, in words: EXR images, ray files, OBJ meshes, spectrum tables, manifests.
+//! What a file holds, in words: EXR images, ray files, meshes, spectrum tables, manifests.
 
 use std::fs::File;
 use std::io::Read;
@@ -6,32 +6,35 @@ use std::path::Path;
 
 use crate::columns::Choice;
 use crate::error::{Error, Place, Result};
-use crate::geometry::{DVec3, obj};
+use crate::geometry::import::{self, MeshFile, Reading};
 use crate::output;
 use crate::program::sweep::Manifest;
 use crate::source::Starts;
 use crate::source::rayfile::{self, RayFile, SpectrumSource};
 use crate::spectrum::Spectrum;
 
+/// Bytes that tell what a file is.
+const START: u64 = 4096;
+
 /// A description of several lines, the first of which starts with the path.
 ///
-/// EXR files and manifests are told by their first bytes, OBJ meshes by their name; the rest
-/// are rays, or else a spectrum.
+/// EXR files and manifests are told by their first bytes, meshes by them or by their name; the
+/// rest are rays, or else a spectrum.
 /// Errors: a file of none of these kinds, or a broken one.
 pub fn describe(path: &Path) -> Result<String> {
-    let mut start = [0; 4];
-    let count = File::open(path)
-        .and_then(|mut file| file.read(&mut start))
+    let mut start = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(START).read_to_end(&mut start))
         .map_err(|e| Error::io(path, e))?;
     let name = path.display();
-    if count == 0 {
+    if start.is_empty() {
         return Err(Error::bad_file(path, Place::File, "is empty"));
     }
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    let lines = match (start, extension.to_ascii_lowercase().as_str()) {
-        ([0x76, 0x2f, 0x31, 0x01], _) => exr(path)?,
+    let lines = match (start.as_slice(), extension.to_ascii_lowercase().as_str()) {
+        ([0x76, 0x2f, 0x31, 0x01, ..], _) => exr(path)?,
         ([b'{', ..], "json") => manifest(path)?,
-        (_, "obj") => mesh(path)?,
+        (start, _) if import::is_mesh(path, start) => mesh(path)?,
         _ => rays_or_table(path)?,
     };
     Ok(format!("{name}: {}", lines.join("\n  ")))
@@ -81,19 +84,33 @@ fn manifest(path: &Path) -> Result<Vec<String>> {
 }
 
 fn mesh(path: &Path) -> Result<Vec<String>> {
-    let mesh = obj::load(path, None)?;
-    let mut low = DVec3::INFINITY;
-    let mut high = DVec3::NEG_INFINITY;
-    for &position in &mesh.positions {
-        low = low.min(position);
-        high = high.max(position);
-    }
+    let file = import::load(path, &Reading::default())?;
+    let MeshFile { mesh, format, .. } = &file;
+    let [low, high] = mesh.bounds();
     let size = high - low;
-    Ok(vec![
-        format!("OBJ mesh, {} triangles", mesh.triangles.len()),
+    let mut lines = vec![
+        format!("{format} mesh, {} triangles", mesh.triangles.len()),
+        format!("{} vertices, those at one place counted once", mesh.positions.len()),
         format!("from {low} to {high} mm"),
         format!("{} × {} × {} mm", size.x, size.y, size.z),
-    ])
+        format!("area {:.6} mm²", mesh.area_mm2()),
+        match mesh.open_edges() {
+            0 => format!("closed, volume {:.6} mm³", mesh.volume_mm3()),
+            open => format!("{open} open edges: not a closed body"),
+        },
+    ];
+    for (kind, names) in
+        [("groups", &file.groups), ("objects", &file.objects), ("materials", &file.materials)]
+    {
+        if !names.is_empty() {
+            lines.push(format!("{kind}: {}", names.join(", ")));
+        }
+    }
+    let warnings = file.warnings.iter().cloned().chain(file.unit_warning());
+    lines.extend(warnings.map(|warning| format!("warning: {warning}")));
+    let others = [file.size_warning(), file.inside_out_warning()];
+    lines.extend(others.into_iter().flatten().map(|warning| format!("warning: {warning}")));
+    Ok(lines)
 }
 
 fn table(spectrum: &Spectrum) -> Vec<String> {

@@ -87,6 +87,55 @@ pub struct MeshFile {
     pub warnings: Vec<String>,
 }
 
+impl MeshFile {
+    /// What the format says of the unit, for a script that says nothing.
+    pub fn unit_warning(&self) -> Option<String> {
+        matches!(self.format, "glTF" | "GLB").then(|| {
+            "glTF's lengths are in m, but are taken for mm: unit = \"m\", or unit = \"mm\" if they are"
+                .to_owned()
+        })
+    }
+
+    /// Whether its lengths look like mm: lamps are larger than 20 mm and smaller than 5 m.
+    pub fn size_warning(&self) -> Option<String> {
+        let [low, high] = self.mesh.bounds();
+        let size_mm = (high - low).max_element();
+        let (unit, mm) = match size_mm {
+            size if size <= 0.0 => return None,
+            ..2.0 => ("m", 1000.0),
+            2.0..20.0 => ("inch", 25.4),
+            5000.0.. => ("um", 1e-3),
+            _ => return None,
+        };
+        let (size, other) = (Short(size_mm), Short(size_mm * mm));
+        Some(format!(
+            "is {size} mm across: if it should be {other} mm, its unit is not mm: unit = \"{unit}\""
+        ))
+    }
+
+    /// Whether a closed mesh has its fronts inside.
+    pub fn inside_out_warning(&self) -> Option<String> {
+        let is_inside_out = self.mesh.volume_mm3() < 0.0 && self.mesh.open_edges() == 0;
+        is_inside_out.then(|| "its volume is negative: fronts are inside".to_owned())
+    }
+}
+
+/// A number to three digits.
+struct Short(f64);
+
+impl std::fmt::Display for Short {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let digits = (2 - self.0.abs().log10().floor() as i32).clamp(0, 9) as usize;
+        let text = format!("{:.digits$}", self.0);
+        let has_point = text.contains('.');
+        f.write_str(if has_point {
+            text.trim_end_matches('0').trim_end_matches('.')
+        } else {
+            &text
+        })
+    }
+}
+
 /// What is wrong with a file, before it has a path.
 #[derive(Debug, PartialEq)]
 pub(super) struct Fault {

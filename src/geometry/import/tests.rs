@@ -81,7 +81,10 @@ fn pieces_do_not_show() {
     for piece_bytes in [1, 50, 1 << 20] {
         let fault = obj::parse_pieces(broken.as_bytes(), piece_bytes).err().unwrap();
         assert_eq!(fault.place, Place::Line(line));
-        assert_eq!(fault.problem, "position index is 999, allowed: 1 to 121, or −121 to −1");
+        assert_eq!(
+            fault.problem,
+            "position index is 999, allowed: 1 to 121 above this line, or −121 to −1"
+        );
     }
 }
 
@@ -361,7 +364,7 @@ fn faults_name_their_line() {
     assert_eq!(fault("vn 0 inf 0\n"), line(1, "normal has inf, expected finite numbers"));
     assert_eq!(
         fault(format!("{QUAD}f 1 2 7\n")),
-        line(5, "position index is 7, allowed: 1 to 4, or −4 to −1")
+        line(5, "position index is 7, allowed: 1 to 4 above this line, or −4 to −1")
     );
     assert_eq!(
         fault(format!("{QUAD}f 1 2 -5\nv 0 0 0\n")),

@@ -284,6 +284,28 @@ impl Kind for Name {
     }
 }
 
+/// A name of any bytes, as files have them.
+pub(super) struct Bytes(pub &'static str);
+
+impl Kind for Bytes {
+    type Read = Vec<u8>;
+
+    fn read(&self, object: &str, what: &str, value: &Value) -> mlua::Result<Vec<u8>> {
+        match value {
+            Value::String(name) => Ok(name.as_bytes().to_vec()),
+            other => Err(wrong_type(object, what, other, "a string").into()),
+        }
+    }
+
+    fn lua_type(&self) -> String {
+        "string".to_owned()
+    }
+
+    fn expected(&self) -> String {
+        self.0.to_owned()
+    }
+}
+
 /// One of a fixed set of words.
 pub(super) struct Choice<T: 'static>(pub &'static [(&'static str, T)]);
 

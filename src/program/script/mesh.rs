@@ -6,21 +6,44 @@ use glam::DQuat;
 use mlua::{Function, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
 use super::kinds::{
-    Callback, Count, Flag, Kind, List, Naming, Nested, Number, Numbers, Or, Text, Vector, vectors,
+    Bytes, Callback, Choice, Count, Flag, Kind, List, Naming, Nested, Number, Numbers, Or, Vector,
+    vectors,
 };
 use super::options::{self, Arguments, Range};
 use super::record::{Record, options};
 use super::{fault, host};
 use crate::error::Error;
-use crate::geometry::mesh::{Placement, Shading};
+use crate::geometry::import::{self, Interpolation, MeshFile, Reading, Selection};
+use crate::geometry::mesh::{Axis, Placement, Shading};
 use crate::geometry::{DVec3, Mesh, Plane, obj};
 use crate::output;
 
-/// Handle of a mesh.
+/// Handle of a mesh, and of the names in its file.
 #[derive(Debug, Clone)]
-pub struct LuaMesh(pub Arc<Mesh>);
+pub struct LuaMesh(pub Arc<Mesh>, Arc<Names>);
 
-const NAMES: [&str; 6] = ["transform", "save", "triangle_count", "bounds", "flat", "section"];
+/// Parts of a file that can be loaded by themselves.
+#[derive(Debug, Default)]
+struct Names {
+    groups: Vec<String>,
+    objects: Vec<String>,
+    materials: Vec<String>,
+}
+
+const NAMES: [&str; 12] = [
+    "transform",
+    "save",
+    "triangle_count",
+    "bounds",
+    "flat",
+    "section",
+    "area",
+    "volume",
+    "open_edges",
+    "groups",
+    "objects",
+    "materials",
+];
 
 /// Cells a side of a surface grid.
 const MAX_CELLS: u64 = 100_000;
@@ -43,7 +66,19 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
 }
 
 fn new_handle(mesh: Mesh, smooth: bool) -> LuaMesh {
-    LuaMesh(Arc::new(if smooth { mesh } else { mesh.into_flat() }))
+    LuaMesh::new(if smooth { mesh } else { mesh.into_flat() })
+}
+
+impl LuaMesh {
+    /// Of a mesh that is from no file.
+    fn new(mesh: Mesh) -> Self {
+        Self(Arc::new(mesh), Arc::default())
+    }
+
+    /// Another mesh from the same file.
+    fn with(&self, mesh: Mesh) -> Self {
+        Self(Arc::new(mesh), Arc::clone(&self.1))
+    }
 }
 
 options! {
@@ -51,24 +86,58 @@ options! {
         /// interpolated normals (eq. 3)
         smooth: bool = Flag.or(true),
         scale: f64 = SCALE,
+        /// of the file's lengths
+        unit: Option<f64> = Choice(UNITS).optional("\"mm\""),
         /// only this group of the file
-        group: Option<String> = Text("a group of the file").optional("all"),
+        group: Option<Vec<u8>> = Bytes("a group of the file").optional("all"),
+        /// only this object (OBJ's `o`, a glTF node, an STL solid)
+        object: Option<Vec<u8>> = Bytes("an object of the file").optional("all"),
+        /// only what has this material (OBJ's `usemtl`)
+        material: Option<Vec<u8>> = Bytes("a material of the file").optional("all"),
+        /// vertices this near are one, before normals are made; 0: those exactly equal
+        weld: f64 = Number(Range::new(0.0, f64::INFINITY, "mm")).or(0.0),
+        /// where the file has no normals and no smoothing groups, sharper edges stay sharp
+        crease: f64 = Number(Range::new(0.0, 180.0, "degrees")).or(import::CREASE_DEG),
     }
 }
+
+/// mm in each.
+const UNITS: &[(&str, f64)] = &[
+    ("mm", 1.0),
+    ("cm", 10.0),
+    ("m", 1000.0),
+    ("um", 1e-3),
+    ("inch", 25.4),
+    ("in", 25.4),
+    ("ft", 304.8),
+];
 
 const SCALE: Or<Number> = Or { kind: Number(Range::above_zero("")), default: 1.0 };
 
 fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let path = arguments.text("path")?;
-    let MeshLoadOptions { smooth, scale, group } = arguments.record()?;
-    let path = host::of(lua)?.input(&path)?;
-    let mesh = obj::load(&path, group.as_deref())?;
-    let placed = if scale == 1.0 {
-        mesh
-    } else {
-        mesh.transformed(&Placement { scale, ..Default::default() })
-    };
-    Ok(new_handle(placed, smooth))
+    let options: MeshLoadOptions = arguments.record()?;
+    let host = host::of(lua)?;
+    let has_unit = options.unit.is_some();
+    let file = import::load(&host.input(&path)?, &options.reading())?;
+    let unit = file.unit_warning().filter(|_| !has_unit);
+    let warnings = file.warnings.iter().cloned().chain(unit);
+    warnings.for_each(|warning| host.warn(format!("{path}: {warning}")));
+    let MeshFile { mesh, groups, objects, materials, .. } = file;
+    Ok(LuaMesh(Arc::new(mesh), Arc::new(Names { groups, objects, materials })))
+}
+
+impl MeshLoadOptions {
+    fn reading(self) -> Reading {
+        let Self { smooth, scale, unit, group, object, material, weld, crease } = self;
+        Reading {
+            selection: Selection { group, object, material },
+            unit_mm: unit.unwrap_or(1.0) * scale,
+            weld_mm: weld,
+            crease_deg: crease,
+            interpolation: if smooth { Interpolation::Smooth } else { Interpolation::Flat },
+        }
+    }
 }
 
 options! {
@@ -178,17 +247,21 @@ fn merge(mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let handle = |value: &Value| options::handle::<LuaMesh>(OBJECT, "entry", value, "a mesh");
     let meshes: Vec<LuaMesh> = list.iter().map(handle).collect::<mlua::Result<_>>()?;
     let meshes: Vec<&Mesh> = meshes.iter().map(|mesh| mesh.0.as_ref()).collect();
-    Ok(LuaMesh(Arc::new(Mesh::merged(OBJECT, &meshes)?)))
+    Ok(LuaMesh::new(Mesh::merged(OBJECT, &meshes)?))
 }
 
 options! {
-    /// Scaled, then turned, then moved.
+    /// Mirrored, then scaled, then turned, then moved.
     struct Transform {
+        /// this coordinate changes its sign; fronts stay fronts
+        mirror: Option<Axis> = Choice(AXES).optional("none"),
         translate: DVec3 = Vector("mm").or(DVec3::ZERO),
         rotate: Option<Rotation> = Nested::<Rotation>::new().optional(""),
         scale: f64 = SCALE,
     }
 }
+
+const AXES: &[(&str, Axis)] = &[("x", Axis::X), ("y", Axis::Y), ("z", Axis::Z)];
 
 options! {
     struct Rotation {
@@ -212,7 +285,12 @@ impl Transform {
                 DQuat::from_axis_angle(axis, angle.to_radians())
             }
         };
-        Ok(Placement { scale: self.scale, rotation, translation: self.translate })
+        Ok(Placement {
+            mirror: self.mirror,
+            scale: self.scale,
+            rotation,
+            translation: self.translate,
+        })
     }
 }
 
@@ -245,13 +323,19 @@ impl UserData for LuaMesh {
             let [low, high] = this.0.bounds();
             Ok([low.to_array(), high.to_array()])
         });
+        fields.add_field_method_get("area", |_, this| Ok(this.0.area_mm2()));
+        fields.add_field_method_get("volume", |_, this| Ok(this.0.volume_mm3()));
+        fields.add_field_method_get("open_edges", |_, this| Ok(this.0.open_edges()));
+        fields.add_field_method_get("groups", |_, this| Ok(this.1.groups.clone()));
+        fields.add_field_method_get("objects", |_, this| Ok(this.1.objects.clone()));
+        fields.add_field_method_get("materials", |_, this| Ok(this.1.materials.clone()));
     }
 
     fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
         fault::method(methods, "transform", |_, this: &Self, a| {
             let value = Arguments::new("mesh:transform", a, 1)?.value();
             let placement = placement("mesh:transform", value)?;
-            Ok(LuaMesh(Arc::new(this.0.transformed(&placement))))
+            Ok(this.with(this.0.transformed(&placement)))
         });
         fault::method(methods, "save", |lua, this: &Self, a| {
             let path = Arguments::new("mesh:save", a, 1)?.text("path")?;
@@ -259,7 +343,7 @@ impl UserData for LuaMesh {
             Ok(output::write_text(&path, &obj::to_text(&this.0))?)
         });
         fault::method(methods, "flat", |_, this: &Self, _| {
-            Ok(Self(Arc::new(Mesh::clone(&this.0).into_flat())))
+            Ok(this.with(Mesh::clone(&this.0).into_flat()))
         });
         fault::method(methods, "section", |_, this: &Self, a| {
             section(&this.0, Arguments::new("mesh:section", a, 1)?)

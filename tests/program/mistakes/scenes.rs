@@ -230,7 +230,7 @@ pub const FAULTS: &[[&str; 3]] = &[
     [
         "unknown group of a mesh",
         "L.mesh.load('triangle.obj', { group = 'lense' })",
-        "triangle.obj: no faces in group \"lense\" (groups: lens)",
+        "triangle.obj: no faces in group \"lense\" (groups: lens; objects: none; materials: none)",
     ],
     [
         "negative scale",

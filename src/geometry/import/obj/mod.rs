@@ -14,7 +14,7 @@ use piece::{Counts, Piece, PieceFault, Statement};
 pub(super) use scanner::{Scanner, line_of};
 
 /// Large enough that a piece costs nothing besides its bytes, small enough to share them out evenly.
-const PIECE_BYTES: usize = 1 << 20;
+const PIECE_BYTES: usize = 1 << 18;
 
 pub(super) fn parse(bytes: Vec<u8>) -> Parsed<Contents> {
     parse_pieces(&bytes, PIECE_BYTES)
@@ -38,6 +38,11 @@ pub(super) fn parse_pieces(bytes: &[u8], piece_bytes: usize) -> Parsed<Contents>
     if totals.positions > NONE as usize || totals.normals > NONE as usize {
         return Err(Fault::file("has more vertices than can be counted"));
     }
+    let sum = |length: fn(&Piece) -> usize| checked.iter().map(length).sum();
+    whole.polygons.positions.reserve_exact(totals.positions);
+    whole.polygons.normals.reserve_exact(totals.normals);
+    whole.polygons.corners.reserve_exact(sum(|piece| piece.corners.len()));
+    whole.polygons.ends.reserve_exact(sum(|piece| piece.ends.len()));
     for (at, piece) in checked.into_iter().enumerate() {
         if !whole.add(piece, totals) {
             // Once more, to find the line.

@@ -234,7 +234,8 @@ fn check_index(index: i64, count: usize, known: Option<(usize, usize)>) -> Resul
     if is_there {
         return Ok(());
     }
-    Err(format!("position index is {index}, allowed: 1 to {all}, or −{above} to −1"))
+    let place = if above == all { " above this line" } else { "" };
+    Err(format!("position index is {index}, allowed: 1 to {all}{place}, or −{above} to −1"))
 }
 
 /// Names in which each run of blanks is one, over continued lines too.
