@@ -73,7 +73,7 @@ enum Command {
         #[command(flatten)]
         options: RunOptions,
     },
-    /// Say which options a function of the interface takes, such as view
+    /// Say which options and results the records of the interface have, such as view
     Options {
         #[arg(value_name = "NAME", default_value = "")]
         name: String,

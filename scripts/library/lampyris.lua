@@ -202,21 +202,26 @@ function lampyris.material(options) end
 ---@field lobes? integer  1 to 2; default 1
 ---@field space? "linear"|"log"  what least squares are taken of; default "linear"
 
----@class LobeFit
----@field n number
----@field n_error number
+---@class FittedLobe
+---@field n number  the exponent
+---@field n_error number  standard error
 ---@field amplitude number
----@field amplitude_error number
----@field rms number
----@field rms_decades number
----@field points integer
----@field lobes table[]
+---@field amplitude_error number  standard error
+
+---@class LobeFit
+---@field lobes FittedLobe[]
+---@field rms number  of the deviations
+---@field rms_decades number  of those of log₁₀
+---@field points integer  in the range
+
+---The first lobe's figures, and those of the sum.
+---@class LobeFitResult: FittedLobe, LobeFit
 ---@field eval fun(angle: number): number
 ---@field plot Figure measured points and fit
 
 ---Fits A cosⁿ to measured pairs (Fig. 3).
 ---@param options LobeFitOptions
----@return LobeFit
+---@return LobeFitResult
 function lampyris.fit_lobe(options) end
 
 -- Lights ----------------------------------------------------------------------------------------
@@ -224,11 +229,23 @@ function lampyris.fit_lobe(options) end
 ---@class lampyris.rayset
 lampyris.rayset = {}
 
+---What start points lie on, in the set's own coordinates.
+---@class FittedSurface
+---@field kind "point"|"sphere"|"cylinder"|"plane"
+---@field center vector  mm
+---@field axis? vector  of a cylinder
+---@field normal? vector  of a plane
+---@field radius? number  mm; of a plane: that all starts are within
+---@field length? number  mm, of a cylinder
+---@field rms number  distance of the starts that it explains, mm
+---@field share number  of the starts that it explains, 0 to 1
+---@field is_source boolean  false where the rays come from inside of it
+
 ---@class Rayset
 ---@field count integer
 ---@field flux number  lm
 ---@field spectrum Spectrum
----@field start_surface FittedSurface?  what the starts lie on, if a point, plane, sphere or cylinder
+---@field start_surface? FittedSurface  what the starts lie on, if a point, plane, sphere or cylinder
 local Rayset = {}
 
 ---@class FittedSurface  in the set's own coordinates
@@ -242,27 +259,32 @@ local Rayset = {}
 ---@field share number  of the starts that it explains, 0 to 1
 ---@field is_source boolean  false where the rays come from a much thinner place inside
 
----Every ray, where it is in the world.
----@return table[]  position (mm), direction, flux (lm)
+---@class Ray
+---@field position vector  mm
+---@field direction vector
+---@field flux number  lm
+
+---Every ray, where it is in the scene.
+---@return Ray[]
 function Rayset:rays() end
 
 ---The rays moved along themselves to where they come nearest to an axis or a point.
----@param surface StartSurface
+---@param surface StartOptions
 ---@return Rayset
 function Rayset:starting_at(surface) end
 
----@class StartSurface
----@field axis? vector  of a line that the rays start nearest to
----@field through? vector  a point of the line, mm; default {0, 0, 0}
----@field point? vector  instead of a line, mm
----@field radius? number  mm, 0 or more; default 0
+---@class StartOptions
+---@field axis? vector  of a line
+---@field through? vector  a point of the line; mm; default {0, 0, 0}
+---@field point? vector  instead of a line; mm
+---@field radius? number  0 or more mm; default 0
 
 ---@class RaysetLoadOptions
----@field spectrum? Spectrum  default: the file's
----@field flux? number  lm, above 0; default: the header's, else the sum of the rays
----@field samples? integer  keep this many rays, drawn evenly; default all
----@field seed? integer  of the draw, 0 to 2^53
----@field start? StartSurface  moves the rays' starts along the rays; default: as they are
+---@field spectrum? Spectrum|number  default the file's
+---@field flux? number  above 0 lm; default the header's, else the sum of the rays
+---@field samples? integer  keep this many rays, drawn evenly; 1 to 100000000; default all
+---@field seed? integer  of the draw; 0 to 9007199254740992; default 1
+---@field start? StartOptions  moves the rays' starts along the rays; default as they are
 ---@field transform? Transform
 
 ---Reads a ray file: TM-25, Zemax, LightTools, ASAP, CSV, told apart by content.
@@ -274,8 +296,8 @@ function lampyris.rayset.load(path, options) end
 ---@class RaysetNewOptions
 ---@field positions vector[]  mm
 ---@field directions vector[]
----@field flux number|number[]  lm in all, or one a ray
----@field spectrum Spectrum
+---@field flux number|number[]  in all, or one for each ray; above 0 lm
+---@field spectrum Spectrum|number
 
 ---@param options RaysetNewOptions
 ---@return Rayset
@@ -338,7 +360,7 @@ function Rayset:transform(transform) end
 function Rayset:save(path) end
 
 ---@class RaysetHalvesOptions
----@field seed? integer  0 to 2^53
+---@field seed? integer  0 to 9007199254740992; default 1
 
 ---Two disjoint halves, drawn evenly, with the whole flux each.
 ---@param options? RaysetHalvesOptions
@@ -347,7 +369,7 @@ function Rayset:halves(options) end
 
 ---@class RaysetNoiseOptions
 ---@field image fun(rays: Rayset): Image
----@field seed? integer  0 to 2^53
+---@field seed? integer  of the first split; 0 to 9007199254740992; default 1
 ---@field splits? integer  1 to 1000; default 1
 
 ---Relative error of a picture from the number of rays alone.
@@ -392,32 +414,32 @@ function lampyris.scene(options) end
 function lampyris.view(options) end
 
 ---@class AdaptiveSamples
----@field min? integer  2 or more; default 4
----@field max? integer  default 256
----@field error? number  relative standard error of a pixel's luminance; default 0.01
+---@field min? integer  2 to 1000000; default 4
+---@field max? integer  not below min; 2 to 1000000; default 256, or min if that is more
+---@field error? number  relative standard error of a pixel's luminance; above 0; default 0.01
 
----@class Quality
----@field samples? integer|AdaptiveSamples  per pixel; 1 is the pixel's center; default 4
+---@class QualityOptions
+---@field samples? integer|AdaptiveSamples  of a pixel; 1 is its center; 1 to 1000000; default 4
+---@field target_error? number  instead of all others: relative rms error of luminance over lit pixels; between 0 and 1
+---@field light_error? number  bound on the relative error of the sum over light samples; 0 is the exact sum; 0 to 1; default 0.01
 ---@field max_depth? integer  0 to 1000; default 8
----@field min_throughput? number  0 to 1; default 1e-3
----@field light_error? number  bound on the relative error of the sum over light samples, 0 to 1; 0 is the exact sum; default 0.01
+---@field min_throughput? number  0 to 1; default 0.001
 ---@field wavelength_step? 5|10|20  nm; default 5
----@field target_error? number  instead of all others: relative rms error of luminance over lit pixels, between 0 and 1
 
 ---@param view View
----@param quality? Quality
+---@param quality? QualityOptions
 ---@return Image
 function Scene:render(view, quality) end
 
 ---@class LightErrorOptions
----@field hits? integer  default 300
+---@field hits? integer  1 to 1000000; default 300
 ---@field light_error? number  0 to 1; default 0.01
----@field max_depth? integer  default 8
----@field min_throughput? number  default 1e-3
+---@field max_depth? integer  0 to 1000; default 8
+---@field min_throughput? number  0 to 1; default 0.001
 ---@field wavelength_step? 5|10|20  nm; default 5
 
 ---@class LightCheck
----@field sums integer  compared: one a side of a hit and a light that shine
+---@field sums integer  compared: one for each side of a hit and light that shine
 ---@field median number  of the relative errors
 ---@field percentile_95 number
 ---@field largest number
@@ -431,16 +453,26 @@ function Scene:render(view, quality) end
 function Scene:check_light_error(view, options) end
 
 ---@class PathOptions
----@field x? number  image position in pixels; default the middle
----@field y? number
----@field max_depth? integer  default 8
----@field min_throughput? number  default 1e-3
+---@field x? number  image position in pixels, pixel 0's center being 0.5; default the middle
+---@field y? number  default the middle
+---@field max_depth? integer  0 to 1000; default 8
+---@field min_throughput? number  0 to 1; default 0.001
 ---@field wavelength_step? 5|10|20  nm; default 5
+
+---@class PathSegment
+---@field kind "camera"|"mirrored"|"transmitted"
+---@field depth integer  0 for the camera's
+---@field start vector  mm
+---@field direction vector
+---@field throughput number  mean over the bands
+---@field finish vector  mm; nil where it hits nothing
+---@field normal vector  of the surface that it hits
+---@field object integer  of the scene, 1-based
 
 ---The rays that one image position asks for.
 ---@param view View
 ---@param options? PathOptions
----@return table[]  kind, depth, start, direction, throughput; finish, normal, object where it hits
+---@return PathSegment[]
 function Scene:paths(view, options) end
 
 -- Images ----------------------------------------------------------------------------------------
@@ -458,41 +490,82 @@ function lampyris.image.load(path) end
 ---@return Image
 function lampyris.image.sum(terms) end
 
+---@class TargetReport
+---@field error number  estimated, relative rms of luminance over lit pixels
+---@field reached boolean  whether the error is within the target
+---@field sampling_error number  its share of camera rays
+---@field light_sum_error number  its share of light sums
+---@field truncation_error number  its share of max_depth and min_throughput
+---@field samples number  mean of a pixel
+---@field most_samples integer  of a pixel
+---@field max_depth integer  chosen
+---@field min_throughput number  chosen
+---@field light_error number  chosen
+---@field wavelength_step number  nm
+
+---@class Stats
+---@field camera_rays integer
+---@field mirror_rays integer
+---@field transmitted_rays integer
+---@field shadow_rays integer
+---@field light_sums integer  one for each side of a hit and light that shine
+---@field nodes_per_sum number  of light trees
+---@field samples_per_sum number  of lights
+---@field light_error number  of mean luminance by the light sums, relative
+---@field largest_light_error number  of a pixel, relative
+---@field target TargetReport  what target_error chose; nil without
+
+---@class Cost
+---@field seconds number  of rendering
+---@field bvh_seconds number  of building the scene's BVH
+---@field light_tree_seconds number  of building its light trees
+---@field peak_memory_mb number  of the program so far
+
+---@class ImageStats: Stats, Cost
+
 ---@class Image
 ---@operator add(Image): Image
 ---@operator mul(number): Image
 ---@field width integer
 ---@field height integer
----@field stats table  rays, light evaluations, seconds, memory; with target_error, what it chose in stats.target; nil unless this script rendered the image
+---@field stats? ImageStats  nil unless this script rendered the image
 local Image = {}
 
----@class Region
----@field x? integer  0-based from the left; default 0
----@field y? integer  0-based from the top; default 0
----@field width? integer  pixels; default 1
----@field height? integer  pixels; default 1
+---@class RegionOptions
+---@field x? integer  0-based from the left; 0 to 65536; default 0
+---@field y? integer  0-based from the top; 0 to 65536; default 0
+---@field width? integer  1 to 65536 pixels; default 1
+---@field height? integer  1 to 65536 pixels; default 1
 
 ---Mean spectrum of a region, or of the whole image.
----@param region? Region
+---@param region? RegionOptions
 ---@return Spectrum
 function Image:spectrum(region) end
 
----@param region? Region
+---@param region? RegionOptions
 ---@return number X, number Y, number Z
 function Image:xyz(region) end
 
----@param region? Region
+---@param region? RegionOptions
 ---@return number  cd/m² in an absolute scene
 function Image:luminance(region) end
 
 ---Luminance of each pixel of a region, row by row.
----@param region? Region
+---@param region? RegionOptions
 ---@return number[]
 function Image:luminances(region) end
 
+---@class ImageDifference
+---@field lit_pixels integer  which all but spectral_rms are about
+---@field relative_rms number  of luminance
+---@field worst number  relative, of a pixel's luminance
+---@field mean_delta_e_2000 number
+---@field percentile_95_delta_e_2000 number
+---@field spectral_rms number  relative to the rms of the reference
+
 ---How far this image is from a reference of the same size.
 ---@param reference Image
----@return table  lit_pixels, relative_rms, worst, mean_delta_e_2000, percentile_95_delta_e_2000, spectral_rms
+---@return ImageDifference
 function Image:compare(reference) end
 
 ---Luminous intensity toward the eye, of a scene with photometry = "absolute".
@@ -501,7 +574,7 @@ function Image:intensity() end
 
 ---@class FalseColorOptions
 ---@field log? boolean  default true
----@field range? number[]  {from, to}; default: what the image needs
+---@field range? number[]  default what the image needs
 ---@field label? string  of the scale bar; default luminance, in cd/m² or relative as the scene is
 
 ---A figure of the luminance in false colors, with a scale bar.
@@ -509,42 +582,53 @@ function Image:intensity() end
 ---@return Figure
 function Image:false_color(options) end
 
----@class Glare
----@field age? number  years, 0 to 120
----@field pigment? number  0 to 1.2
----@field strength? number  0 to 1
+---@class GlareOptions
+---@field age? number  0 to 120 years; default 25
+---@field pigment? number  0 to 1.2; default 0.5
+---@field strength? number  0 to 1; default 1
 
----@class Exposure
----@field ev? number  stops, −100 to 100
----@field adaptation? number  cd/m² that an eye is adapted to, shown as middle gray
+---@class ExposureOptions
+---@field ev? number  -100 to 100 stops
+---@field adaptation? number  luminance that an eye is adapted to, shown as middle gray; above 0 cd/m²
 
 ---How a picture is shown.
----@class Look
+---@class LookOptions
 ---@field display? Display  default sRGB
----@field bits? integer  of a channel, 1 to 16; default the display's
----@field exposure? "auto"|number|Exposure  default "auto"; the display's own cd/m² on a PQ display
+---@field bits? integer  of a channel; 1 to 16; default the display's
+---@field exposure? "auto"|number|ExposureOptions  a factor, or stops or an adaptation in a table; a PQ display shows its own cd/m²; factor above 0; default "auto"
 ---@field gamut? "clip"|"desaturate"  default "clip"
----@field glare? boolean|Glare  default none
----@field tone? "linear"|"reinhard"|"photographic"|fun(luminance: number): number  default "linear"
----@field camera? false|Camera  looks in place of the eye
+---@field glare? boolean|Glare  of the eye; true is the default eye's; default none
+---@field tone? "linear"|"reinhard"|"photographic"|fun(luminance: number): number  the curve on luminance, from and to luminance relative to display white; default "linear"
+---@field camera? false|Camera  looks in place of the eye; default none
 
 ---@class PngOptions
+---@field look? "paper"|"seen"|"camera"|LookOptions  which the options beside it change; default "paper"
 ---@field display? Display  default sRGB
----@field bits? integer  of a channel, 1 to 16; default the display's
----@field exposure? "auto"|number|Exposure  default "auto"; the display's own cd/m² on a PQ display
+---@field bits? integer  of a channel; 1 to 16; default the display's
+---@field exposure? "auto"|number|ExposureOptions  a factor, or stops or an adaptation in a table; a PQ display shows its own cd/m²; factor above 0; default "auto"
 ---@field gamut? "clip"|"desaturate"  default "clip"
----@field glare? boolean|Glare  default none
----@field tone? "linear"|"reinhard"|"photographic"|fun(luminance: number): number  default "linear"
----@field camera? false|Camera  looks in place of the eye
----@field look? "paper"|"seen"|"camera"|Look  default "paper"; keys beside it change it
+---@field glare? boolean|Glare  of the eye; true is the default eye's; default none
+---@field tone? "linear"|"reinhard"|"photographic"|fun(luminance: number): number  the curve on luminance, from and to luminance relative to display white; default "linear"
+---@field camera? false|Camera  looks in place of the eye; default none
+
+---What was done to a picture's light for its display.
+---@class PngReport
+---@field glare_lost number  share of the light scattered out of the frame
+---@field exposure number  factor from the image's XYZ to the display's cd/m²
+---@field outside_gamut integer  pixels that the display cannot show
+---@field too_dark integer  pixels darker than its black
+---@field too_bright integer  pixels brighter than its white
+---@field too_saturated integer  pixels outside of its primaries
+---@field mean_delta_e_2000 number
+---@field max_delta_e_2000 number
 
 ---@class ExrOptions
----@field bands? "float"|"half"|"pxr24"|"none"  default "float", which reads back bit for bit
+---@field bands? "float"|"half"|"pxr24"|"none"  of which float reads back bit for bit; default "float"
 
 ---Writes an EXR file or a PNG file.
 ---@param path string  below the output folder, ending in .exr or .png
 ---@param options? PngOptions|ExrOptions
----@return table  of a PNG file: exposure and what the display could not show
+---@return PngReport  of a PNG file
 function Image:save(path, options) end
 
 -- Cameras ---------------------------------------------------------------------------------------
@@ -557,13 +641,13 @@ function Image:save(path, options) end
 lampyris.camera = {}
 
 ---@class CameraOptions
----@field red Spectrum  response to equal radiant power
----@field green Spectrum
----@field blue Spectrum
----@field exposure? "auto"|number|Exposure  default "auto": 99.5 % of the pixels fill no channel
----@field full_well? number  level of a full channel, relative to display white; default 1
----@field white? number[]  {x, y} that the white balance makes neutral; default D65
----@field name? string
+---@field red Spectrum|number  response to equal radiant power
+---@field green Spectrum|number
+---@field blue Spectrum|number
+---@field exposure? "auto"|number|ExposureOptions  "auto": 99.5 % of the pixels fill no channel; factor above 0; default "auto"
+---@field full_well? number  level of a full channel, relative to display white; above 0; default 1
+---@field white? number[]  {x, y} that the white balance makes neutral: D65; between 0 and 1; default {0.3127, 0.329}
+---@field name? string  default "camera"
 
 -- Displays --------------------------------------------------------------------------------------
 
@@ -575,8 +659,8 @@ lampyris.camera = {}
 lampyris.display = {}
 
 ---@class PqOptions
----@field peak? number  cd/m²; default 1000
----@field bits? integer  default 16
+---@field peak? number  between 0 and 10000 cd/m²; default 1000
+---@field bits? integer  of a channel; 1 to 16; default 16
 
 ---An HDR display with P3's primaries; luminance is absolute.
 ---@param options? PqOptions
@@ -606,13 +690,13 @@ local Display = {}
 ---@field rms? number  relative to the channel's maximum
 
 ---@class DisplayNewOptions
----@field matrix number[][]  {{Xr, Xg, Xb}, {Yr, Yg, Yb}, {Zr, Zg, Zb}}, cd/m²
----@field gain? number[]  above 0; default {1, 1, 1}
----@field offset? number[]  default {0, 0, 0}
+---@field matrix number[][]  cd/m²
+---@field gain? number[]  k_g of red, green, blue; above 0; default {1, 1, 1}
+---@field offset? number[]  k_o; default {0, 0, 0}
 ---@field gamma? number[]  above 0; default {2.2, 2.2, 2.2}
----@field black? number[]  {X, Y, Z}, cd/m², 0 or more; default 0
----@field bits? integer  1 to 16; default 8
----@field name? string
+---@field black? number[]  {X, Y, Z}; 0 or more cd/m²; default {0, 0, 0}
+---@field bits? integer  of a channel; 1 to 16; default 8
+---@field name? string  default "display"
 
 ---@param options DisplayNewOptions
 ---@return Display
@@ -623,10 +707,10 @@ function lampyris.display.new(options) end
 ---@field green? number[][]
 ---@field blue? number[][]
 ---@field file? string  instead of red, green and blue
----@field matrix? number[][]  cd/m²; default: from the ramps' XYZ
----@field black? number[]  {X, Y, Z}, cd/m²
----@field bits? integer  1 to 16; default 8
----@field name? string
+---@field matrix? number[][]  cd/m²; default from the ramps' XYZ
+---@field black? number[]  {X, Y, Z}; 0 or more cd/m²; default {0, 0, 0}
+---@field bits? integer  of a channel; 1 to 16; default 8
+---@field name? string  default "display"
 
 ---Gain, offset and gamma from measured ramps.
 ---@param options DisplayFitOptions
@@ -654,8 +738,25 @@ function Display:xyz(r, g, b) end
 ---@return integer r, integer g, integer b
 function Display:digital(X, Y, Z) end
 
+---@class PatchError
+---@field digits number[]  {r, g, b}
+---@field measured number[]  {X, Y, Z}, cd/m²
+---@field predicted number[]  {X, Y, Z}, cd/m²
+---@field delta_e_ab number
+---@field delta_e_2000 number
+---@field lightness_error number
+
+---@class Verification
+---@field mean number  ΔE*ab
+---@field max number  ΔE*ab
+---@field mean_2000 number  ΔE00
+---@field max_2000 number  ΔE00
+---@field patches PatchError[]
+---@field worst PatchError[]  ten at most, the worst first
+---@field verdict string  in words
+
 ---@param patches number[][]|string  {{r, g, b, X, Y, Z}, …} or a file
----@return table  mean, max, mean_2000, max_2000, patches, verdict, …
+---@return Verification
 function Display:verify(patches) end
 
 ---@param path string  below the output folder, ending in .icc
@@ -664,21 +765,29 @@ function Display:save(path) end
 -- Sweeps ----------------------------------------------------------------------------------------
 
 ---@class SweepView
----@field view View
----@field scene? Scene  default: the sweep's
+---@field view? View
+---@field scene? Scene  default the sweep's
 ---@field name? string  of the view's files: letters, digits and _ - + .; default view_0001, …
 
 ---@class SweepOptions
 ---@field scene? Scene  of all views that name none
----@field views (View|SweepView)[]|fun(index: integer): View|SweepView|nil, Scene|nil  a list; or a function that returns one view (and scene) after the other, or yields them
+---@field views? (View|SweepView)[]|fun(index: integer): View|SweepView|nil, Scene|nil  a list; or a function that returns one view (and scene) after the other, or yields them
 ---@field output string  a folder below the output folder
----@field quality? Quality
+---@field quality? QualityOptions
 ---@field png? PngOptions
----@field regions? table<string, Region>  whose spectra and chromaticities manifest and page show
+---@field regions? table<string, RegionOptions>  whose spectra and chromaticities manifest and page show; default none
+
+---@class SweepReport
+---@field views integer  rendered and kept
+---@field rendered integer
+---@field kept integer  that were there already
+
+---@class SweepDone: SweepReport
+---@field folder string
 
 ---Renders views into a folder that can be stopped, resumed, shared out and verified.
 ---@param options SweepOptions
----@return table  folder, views, rendered, kept
+---@return SweepDone
 function lampyris.sweep(options) end
 
 -- Studies ---------------------------------------------------------------------------------------
@@ -743,14 +852,14 @@ local Grid = {}
 
 ---@class GridOptions
 ---@field scene Scene  with photometry = "absolute"
----@field h? number[]  degrees to the right, ascending; default those of UN R148
----@field v? number[]  degrees up, ascending; default those of UN R148
----@field distance? number  mm, above 0; default 3000
+---@field h? number[]  to the right, ascending; -360 to 360 degrees; default {-20, -10, -5, 0, 5, 10, 20}
+---@field v? number[]  up, ascending; -90 to 90 degrees; default {-10, -5, 0, 5, 10}
+---@field distance? number  above 0 mm; default 3000
 ---@field target? vector  mm; default {0, 0, 0}
----@field fov? number  degrees: the whole lamp has to fit; default 6
----@field width? integer  pixels; default 320
----@field height? integer  pixels; default 240
----@field quality? Quality
+---@field fov? number  the whole lamp has to fit; between 0 and 180 degrees; default 6
+---@field width? integer  1 to 65536 pixels; default 320
+---@field height? integer  1 to 65536 pixels; default 240
+---@field quality? QualityOptions
 
 ---Luminous intensity over horizontal and vertical angles.
 ---@param options GridOptions
@@ -770,9 +879,33 @@ function Grid:at(h, v) end
 ---@field side? "left"|"right"  of the vehicle as seen from behind: checks the field of visibility
 ---@field position? Grid  of the position lamp combined with this stop lamp: checks their ratio
 
+---@class PointCheck
+---@field h number  degrees
+---@field v number  degrees
+---@field min? number  cd
+---@field max? number  cd
+---@field intensity? number  cd; nil where the grid does not reach
+---@field color? string  of signal lights
+---@field pass boolean
+
+---@class WeakestPoint
+---@field h number  degrees
+---@field v number  degrees
+---@field min number
+---@field pass boolean
+---@field intensity? number  cd, of field
+---@field ratio? number  of ratio
+
+---@class GridCheck
+---@field pass boolean
+---@field color string
+---@field points PointCheck[]
+---@field field? WeakestPoint  of the field of visibility
+---@field ratio? WeakestPoint  of stop lamp to position lamp
+
 ---Compares with a lamp's limits, point by point.
 ---@param lamp "R1"|"R2"|"S1"|"S2"|"S3"|"S4"|"2a"|"2b"|GridCheckOptions
----@return table  pass, color, points {h, v, min, max, intensity, color, pass}, field, ratio
+---@return GridCheck
 function Grid:check(lamp) end
 
 ---@class GridSaveOptions
@@ -786,46 +919,54 @@ function Grid:save(path, options) end
 -- Figures and text ------------------------------------------------------------------------------
 
 ---@class FigureAxis
----@field label? string  with its unit
+---@field label? string  with its unit; default ""
 ---@field log? boolean  default false
----@field range? number[]  {from, to}; default: what the series need
+---@field range? number[]  default what the series need
 
 ---@class FigureSeries
----@field points number[][]  {{x, y}, …}
----@field name? string  for the legend
+---@field points number[][]  {{x, y}, …}; {} parts a line
+---@field name? string  for the legend; default ""
 ---@field style? "line"|"dashes"|"points"|"both"  default "line"
----@field errors? number[]  half lengths of error bars, one a point
----@field color? number[]  {red, green, blue}, 0 to 255
+---@field errors? number[]  half lengths of error bars, one for each point
+---@field color? number[]  {red, green, blue}; 0 to 255
 
----A chart (`series`), a picture (`image`) or lines in space (`segments`).
----@class FigurePanel
----@field title? string
----@field series? FigureSeries[]
+---@class ChartPanel
+---@field series FigureSeries[]
 ---@field x? FigureAxis
 ---@field y? FigureAxis
----@field image? Image
----@field crop? Region
----@field look? "paper"|"seen"|"camera"|Look
----@field camera? false|Camera
----@field false_color? boolean|FalseColorOptions
----@field exposure? "auto"|number|Exposure
----@field gamut? "clip"|"desaturate"
----@field glare? boolean|Glare
----@field tone? "linear"|"reinhard"|"photographic"|fun(luminance: number): number
----@field segments? vector[][]  {{from, to}, …}, mm
+---@field title? string  default ""
+
+---@class PicturePanel
+---@field image Image
+---@field crop? RegionOptions
+---@field false_color? boolean|FalseColorOptions  instead of the picture: its luminance; default false
+---@field title? string  default ""
+---@field look? "paper"|"seen"|"camera"|LookOptions  default "paper"
+---@field exposure? "auto"|number|ExposureOptions  a factor, or stops or an adaptation in a table; a PQ display shows its own cd/m²; factor above 0; default "auto"
+---@field gamut? "clip"|"desaturate"  default "clip"
+---@field glare? boolean|Glare  of the eye; true is the default eye's; default none
+---@field tone? "linear"|"reinhard"|"photographic"|fun(luminance: number): number  the curve on luminance, from and to luminance relative to display white; default "linear"
+---@field camera? false|Camera  looks in place of the eye; default none
+
+---Lines in space.
+---@class SegmentsPanel
+---@field segments vector[][]  {{from, to}, …}, mm
 ---@field azimuth? number  degrees; default 30
 ---@field elevation? number  degrees; default 20
+---@field title? string  default ""
 
----@class FigureOptions: FigurePanel
----@field panels? FigurePanel[]  instead of the keys of one panel
----@field columns? integer  of panels; default all in one row
----@field width? integer  pixels; default 800
----@field height? integer  pixels; default 600
+---`panels`, or the keys of one panel.
+---@class FigureOptions
+---@field panels? (ChartPanel|PicturePanel|SegmentsPanel)[]  instead of the keys of one panel
+---@field columns? integer  of panels; 1 to 100; default all in one row
+---@field width? integer  1 to 16384 pixels; default 800
+---@field height? integer  1 to 16384 pixels; default 600
+---@field title? string  default ""
 
 ---@class Figure
 local Figure = {}
 
----@param options FigureOptions
+---@param options FigureOptions|ChartPanel|PicturePanel|SegmentsPanel
 ---@return Figure
 function lampyris.figure(options) end
 

@@ -3,11 +3,13 @@
 //! The feature `program` (a default) adds it; the renderer knows nothing of it.
 
 pub mod develop;
+pub mod fields;
 pub mod figure;
 pub mod info;
 pub mod intensity;
 pub mod memory;
 pub mod progress;
+pub mod results;
 pub mod script;
 pub mod stage;
 pub mod study;

@@ -3,6 +3,8 @@
 
 use super::record::{Record, Row};
 use crate::error::Error;
+use crate::program::fields::{Field, Fields};
+use crate::program::results;
 
 /// A record as the annotations and the manual show it.
 struct Class {
@@ -14,32 +16,103 @@ fn class<R: Record>() -> Class {
     Class { name: R::CLASS, rows: R::rows() }
 }
 
+fn results<T>(fields: &Fields<T>) -> Class {
+    Class { name: fields.class, rows: fields.fields.iter().map(result_row).collect() }
+}
+
+fn result_row<T>(field: &Field<T>) -> Row {
+    Row {
+        key: field.name,
+        lua_type: field.lua_type.trim_end_matches('?').to_owned(),
+        is_required: !field.lua_type.ends_with('?'),
+        allowed: String::new(),
+        default: String::new(),
+        sentence: field.sentence.to_owned(),
+    }
+}
+
+/// Every record that scripts read.
+const RESULTS: &[fn() -> Class] = &[
+    || results(&results::CHANNEL),
+    || results(&results::COST),
+    || results(&results::DEVELOPED),
+    || results(&results::DIFFERENCE),
+    || results(&results::LIGHT_CHECK),
+    || results(&results::LOBE),
+    || results(&results::LOBE_FIT),
+    || results(&results::PATCH),
+    || results(&results::PATH),
+    || results(&results::POINT),
+    || results(&results::RAY),
+    || results(&results::START_SURFACE),
+    || results(&results::STATS),
+    || results(&results::SWEPT),
+    || results(&results::TARGET),
+    || results(&results::VERIFICATION),
+];
+
 /// Every record that scripts may write.
 const RECORDS: &[fn() -> Class] = &[
-    class::<super::emitter::BulbOptions>,
+    class::<super::camera::CameraOptions>,
+    class::<super::display::PqOptions>,
+    class::<super::display::DisplayNewOptions>,
+    class::<super::display_fit::DisplayFitOptions>,
+    class::<super::display_fit::DisplayRampsOptions>,
     class::<super::emitter::CylinderOptions>,
     class::<super::emitter::FilamentOptions>,
+    class::<super::emitter::BulbOptions>,
+    class::<super::figure::FigureOptions>,
+    class::<super::figure::ChartPanel>,
+    class::<super::figure::FigureAxis>,
+    class::<super::figure::FigureSeries>,
+    class::<super::figure::SegmentsPanel>,
+    class::<super::figure::PicturePanel>,
+    class::<super::figure::FalseColorOptions>,
+    class::<super::grid_check::GridCheckOptions>,
+    class::<super::image::RegionOptions>,
+    class::<super::image::ExrOptions>,
+    class::<super::light::RaysetLoadOptions>,
+    class::<super::light::StartOptions>,
+    class::<super::light::RaysetNewOptions>,
+    class::<super::light::RaysetNoiseOptions>,
+    class::<super::light::RaysetHalvesOptions>,
     class::<super::lobe_fit::LobeFitOptions>,
+    class::<super::look::PngOptions>,
+    class::<super::look::LookOptions>,
+    class::<super::look::GlareOptions>,
+    class::<super::look::ExposureOptions>,
     class::<super::material::MaterialOptions>,
     class::<super::mesh::MeshLoadOptions>,
     class::<super::mesh::MeshNewOptions>,
     class::<super::mesh::MeshSurfaceOptions>,
+    class::<super::mesh::Transform>,
     class::<super::mesh::Rotation>,
     class::<super::mesh::SectionOptions>,
-    class::<super::mesh::Transform>,
-    class::<super::scene::Object>,
+    class::<super::paths::PathOptions>,
+    class::<super::photometry::GridOptions>,
+    class::<super::photometry::GridSaveOptions>,
+    class::<super::quality::QualityOptions>,
+    class::<super::quality::AdaptiveSamples>,
     class::<super::scene::SceneOptions>,
+    class::<super::scene::Object>,
+    class::<super::scene::LightErrorOptions>,
     class::<super::spectrum::SpectrumLoadOptions>,
     class::<super::study::Spread>,
     class::<super::study::StudyOptions>,
+    class::<super::sweep::SweepOptions>,
+    class::<super::sweep::SweepView>,
     class::<super::view::ViewOptions>,
 ];
 
-/// The options of the records whose names hold `part`, a paragraph each.
+fn all() -> Vec<Class> {
+    RECORDS.iter().chain(RESULTS).map(|class| class()).collect()
+}
+
+/// The options and fields of the records whose names hold `part`, a paragraph each.
 ///
 /// Errors: no such record.
 pub fn describe_options(part: &str) -> Result<String, Error> {
-    let classes: Vec<Class> = RECORDS.iter().map(|class| class()).collect();
+    let classes = all();
     let is_meant = |class: &&Class| class.name.to_lowercase().contains(&part.to_lowercase());
     let found: Vec<String> = classes.iter().filter(is_meant).map(Class::paragraph).collect();
     if found.is_empty() {
@@ -72,16 +145,16 @@ fn line(row: &Row) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
     use std::path::{Path, PathBuf};
     use std::{env, fs};
 
     use super::*;
 
     impl Class {
-        /// Its block in `scripts/library/lampyris.lua`.
+        /// Its fields in `scripts/library/lampyris.lua`.
         fn annotation(&self) -> String {
-            let rows = self.rows.iter().map(|row| format!("---@field {}\n", line(row)));
-            format!("---@class {}\n{}", self.name, rows.collect::<String>())
+            self.rows.iter().map(|row| format!("---@field {}\n", line(row))).collect()
         }
 
         /// Its table in the manual.
@@ -113,10 +186,12 @@ mod tests {
         Some(format!("{before}{start}{new}{end}{after}"))
     }
 
-    /// `text` with the class's block replaced: its line, and the fields that follow.
+    /// `text` with the class's block replaced: the fields that follow its line.
     fn with_class(text: &str, class: &Class) -> Option<String> {
-        let start = format!("---@class {}\n", class.name);
-        let (before, rest) = text.split_once(&start)?;
+        let starts = ["\n", ":"].map(|end| format!("---@class {}{end}", class.name));
+        let at = starts.iter().find_map(|start| text.find(start))?;
+        let line = text[at..].find('\n')? + 1;
+        let (before, rest) = text.split_at(at + line);
         let fields = rest.split_inclusive('\n').take_while(|line| line.starts_with("---@field "));
         let after = &rest[fields.map(str::len).sum()..];
         Some(format!("{before}{}{after}", class.annotation()))
@@ -145,8 +220,8 @@ mod tests {
     fn the_annotations_are_in_step() {
         let library = path("scripts/library/lampyris.lua");
         let found = fs::read_to_string(&library).unwrap();
-        let expected = RECORDS.iter().map(|class| class()).fold(found.clone(), |text, class| {
-            let new = with_class(&text, &class);
+        let expected = all().iter().fold(found.clone(), |text, class| {
+            let new = with_class(&text, class);
             new.unwrap_or_else(|| panic!("no ---@class {} in {}", class.name, library.display()))
         });
         check(&library, &found, &expected).unwrap();
@@ -157,12 +232,20 @@ mod tests {
         let pages = fs::read_dir(path("docs")).unwrap().map(|entry| entry.unwrap().path());
         let faults = pages.filter_map(|page| {
             let found = fs::read_to_string(&page).unwrap();
-            let expected = RECORDS
-                .iter()
-                .map(|class| class())
-                .fold(found.clone(), |text, class| with_table(&text, &class));
+            let expected = all().iter().fold(found.clone(), |text, class| with_table(&text, class));
             check(&page, &found, &expected).err()
         });
         assert_eq!(faults.collect::<Vec<_>>(), Vec::<String>::new());
+    }
+
+    #[test]
+    fn what_manifests_say_of_options_has_their_names() {
+        let names = |class: Class| -> BTreeSet<&str> { class.rows.iter().map(|r| r.key).collect() };
+        let view = names(class::<super::super::view::ViewOptions>());
+        assert_eq!(names(results(&results::VIEW)), view);
+        let quality = names(class::<super::super::quality::QualityOptions>());
+        assert_eq!(names(results(&results::ASKED)), quality);
+        let region = names(class::<super::super::image::RegionOptions>());
+        assert!(names(results(&results::READING)).is_superset(&region));
     }
 }

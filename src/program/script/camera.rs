@@ -1,18 +1,40 @@
 //! `lampyris.camera`.
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
+use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods};
 
-use super::options::{Arguments, Options, Range};
-use super::{fault, figure, image};
+use super::fault;
+use super::kinds::{Kind, Number, Numbers, SpectrumOrNumber, Text};
+use super::look::EXPOSURE;
+use super::options::{Arguments, Range};
+use super::record::options;
 use crate::color::D65_XY;
 use crate::display::{Camera, Exposure};
-use crate::error::Error;
+use crate::spectrum::Spectrum;
 
 /// Handle of a camera.
 #[derive(Debug, Clone)]
 pub struct LuaCamera(pub Camera);
 
-const KEYS: [&str; 7] = ["blue", "exposure", "full_well", "green", "name", "red", "white"];
+options! {
+    struct CameraOptions {
+        /// response to equal radiant power
+        red: Spectrum = CHANNEL,
+        green: Spectrum = CHANNEL,
+        blue: Spectrum = CHANNEL,
+        /// "auto": 99.5 % of the pixels fill no channel
+        exposure: Exposure = EXPOSURE.or(Exposure::Auto),
+        /// level of a full channel, relative to display white
+        full_well: f64 = Number(Range::above_zero("")).or(1.0),
+        /// {x, y} that the white balance makes neutral: D65
+        white: [f64; 2] = Numbers {
+            range: Range::between(0.0, 1.0, ""),
+            expected: "a list of 2 numbers",
+        }.or(D65_XY),
+        name: String = Text("a name").or("camera".to_owned()),
+    }
+}
+
+const CHANNEL: SpectrumOrNumber = SpectrumOrNumber { expected: "a spectrum", allowed: "" };
 
 /// A table of cameras that can be called to make one.
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
@@ -31,37 +53,12 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
 }
 
 fn camera(mut arguments: Arguments) -> mlua::Result<LuaCamera> {
-    let options = arguments.options(&KEYS)?;
-    let channel = |key: &str| {
-        options.spectrum(key)?.ok_or_else(|| {
-            mlua::Error::from(Error::MissingKey {
-                object: "camera".to_owned(),
-                key: key.to_owned(),
-                expected: "expected a spectrum".to_owned(),
-            })
-        })
-    };
-    let sensitivities = [channel("red")?, channel("green")?, channel("blue")?];
-    let name = options.text("name")?.unwrap_or_else(|| "camera".to_owned());
-    let made = Camera {
-        exposure: if options.has("exposure")? {
-            image::exposure(&options)?
-        } else {
-            Exposure::Auto
-        },
-        full_well: options.number_or("full_well", Range::above_zero(""), 1.0)?,
-        white_xy: white(&options)?,
-        ..Camera::new(&name, sensitivities)
-    };
+    let CameraOptions { red, green, blue, exposure, full_well, white, name } =
+        arguments.record()?;
+    let camera = Camera::new(&name, [red, green, blue]);
+    let made = Camera { exposure, full_well, white_xy: white, ..camera };
     made.check()?;
     Ok(LuaCamera(made))
-}
-
-fn white(options: &Options) -> mlua::Result<[f64; 2]> {
-    match options.value("white")? {
-        Value::Nil => Ok(D65_XY),
-        value => figure::numbers("camera", "\"white\"", &value, Range::between(0.0, 1.0, "")),
-    }
 }
 
 impl UserData for LuaCamera {

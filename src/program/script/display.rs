@@ -3,14 +3,19 @@
 use std::io::Write;
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, MultiValue, Table, UserData, UserDataFields, UserDataMethods, Value};
+use mlua::{Lua, MetaMethod, MultiValue, Table, UserData, UserDataFields, UserDataMethods};
 
-use super::options::{self, Arguments, Ends, Options, Range};
+use super::kinds::{Kind, List, Naming, Number, Numbers, Text};
+use super::look::BITS;
+use super::options::{Arguments, Ends, Range};
+use super::record::options;
 use super::{display_fit, fault, host};
 use crate::color::Xyz;
 use crate::display::{CHANNELS, ChannelFit, Curve, Display, DisplayParameters, PQ_MAX_CD_M2};
 use crate::error::Error;
 use crate::output;
+use crate::program::fields::Cell;
+use crate::program::results::CHANNEL;
 
 /// Handle of a display.
 #[derive(Debug, Clone)]
@@ -61,93 +66,94 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     module.set("display", table)
 }
 
-/// `{ peak = 1000, bits = 16 }`.
+options! {
+    struct PqOptions {
+        peak: f64 = Number(Range {
+            ends: Ends::MinExcluded,
+            ..Range::new(0.0, PQ_MAX_CD_M2, "cd/m²")
+        }).or(Display::PEAK_CD_M2),
+        /// of a channel
+        bits: u32 = BITS.or(16),
+    }
+}
+
 fn pq(
     object: &'static str,
     arguments: MultiValue,
     display: fn(f64) -> crate::Result<Display>,
 ) -> mlua::Result<LuaDisplay> {
-    let options = Arguments::new(object, arguments, 1)?.options(&["bits", "peak"])?;
-    let peaks = Range { ends: Ends::MinExcluded, ..Range::new(0.0, PQ_MAX_CD_M2, "cd/m²") };
-    let peak_cd_m2 = options.number_or("peak", peaks, Display::PEAK_CD_M2)?;
-    let bits = options.count("bits", 1, 16)?.unwrap_or(16) as u32;
-    Ok(display(peak_cd_m2)?.with_bits(bits)?.into())
+    let PqOptions { peak, bits } = Arguments::new(object, arguments, 1)?.record()?;
+    Ok(display(peak)?.with_bits(bits)?.into())
+}
+
+options! {
+    struct DisplayNewOptions {
+        /// cd/m²
+        matrix: Vec<[f64; 3]> = MATRIX,
+        /// k_g of red, green, blue
+        gain: [f64; 3] = triple(Range::above_zero("")).or([1.0; 3]),
+        /// k_o
+        offset: [f64; 3] = triple(Range::ANY).or([0.0; 3]),
+        gamma: [f64; 3] = triple(Range::above_zero("")).or([2.2; 3]),
+        ..common: DisplayCommonOptions,
+    }
+}
+
+options! {
+    /// Of every display that a script makes.
+    struct DisplayCommonOptions {
+        /// {X, Y, Z}
+        black: [f64; 3] = triple(Range::new(0.0, f64::INFINITY, "cd/m²")).or([0.0; 3]),
+        /// of a channel
+        bits: u32 = BITS.or(8),
+        name: String = Text("a name").or("display".to_owned()),
+    }
+}
+
+const fn triple(range: Range) -> Numbers<3> {
+    Numbers { range, expected: "a list of 3 numbers" }
+}
+
+/// Rows X, Y, Z of eq. 6.
+pub(super) const MATRIX: List<Numbers<3>> = List {
+    entry: triple(Range::ANY),
+    expected: "{{Xr, Xg, Xb}, {Yr, Yg, Yb}, {Zr, Zg, Zb}} in cd/m²",
+    naming: Naming::Key,
+};
+
+pub(super) fn matrix(object: &str, rows: Vec<[f64; 3]>) -> mlua::Result<[[f64; 3]; 3]> {
+    <[[f64; 3]; 3]>::try_from(rows).map_err(|rows| {
+        let problem = format!("\"matrix\" has {} rows, expected {}", rows.len(), MATRIX.expected);
+        Error::inconsistent(object, problem).into()
+    })
 }
 
 fn new(mut arguments: Arguments) -> mlua::Result<LuaDisplay> {
-    let options =
-        arguments.options(&["bits", "black", "gain", "gamma", "matrix", "name", "offset"])?;
-    let channels = |key, range, default| match options.value(key)? {
-        Value::Nil => Ok([default; 3]),
-        value => triple(&options, key, &value, range),
+    let DisplayNewOptions { matrix: rows, gain, offset, gamma, common } = arguments.record()?;
+    let curve = |c: usize| Curve {
+        gain: gain[c],
+        offset: offset[c],
+        gamma: gamma[c],
+        toe: None,
+        pq_peak_cd_m2: None,
     };
-    let gains = channels("gain", Range::above_zero(""), 1.0)?;
-    let offsets = channels("offset", Range::ANY, 0.0)?;
-    let gammas = channels("gamma", Range::above_zero(""), 2.2)?;
     let parameters = DisplayParameters {
-        name: options.text("name")?.unwrap_or_else(|| "display".to_owned()),
-        curves: [0, 1, 2].map(|c| Curve {
-            gain: gains[c],
-            offset: offsets[c],
-            gamma: gammas[c],
-            toe: None,
-            pq_peak_cd_m2: None,
-        }),
-        matrix: matrix(&options)?,
-        black: black(&options)?,
-        bits: options.count("bits", 1, 16)?.unwrap_or(8) as u32,
+        name: common.name,
+        curves: [0, 1, 2].map(curve),
+        matrix: matrix("display.new", rows)?,
+        black: common.black.into(),
+        bits: common.bits,
     };
     Ok(Display::new(parameters)?.into())
 }
 
-fn triple(options: &Options, key: &str, value: &Value, range: Range) -> mlua::Result<[f64; 3]> {
-    let what = format!("\"{key}\"");
-    let entries = options::list(options.object(), &what, value, "a list of 3 numbers")?;
-    let [a, b, c] = entries.as_slice() else {
-        let problem = format!("{what} has {} entries, expected 3", entries.len());
-        return Err(Error::inconsistent(options.object(), problem).into());
+/// The curves by their channels' names; of a fitted display with standard errors and rms.
+fn channels(display: &LuaDisplay) -> Cell {
+    let channel = |(c, name): (usize, &'static str)| {
+        let fit = display.fitted.as_ref().map(|fitted| fitted.channels[c]);
+        (name, CHANNEL.record(&(display.display.curves()[c], fit)))
     };
-    let part = |value: &Value| options::number(options.object(), &what, value, range);
-    Ok([part(a)?, part(b)?, part(c)?])
-}
-
-/// Rows X, Y, Z of eq. 6.
-pub(super) fn matrix(options: &Options) -> mlua::Result<[[f64; 3]; 3]> {
-    const EXPECTED: &str = "{{Xr, Xg, Xb}, {Yr, Yg, Yb}, {Zr, Zg, Zb}} in cd/m²";
-    let rows = options.required_list("matrix", EXPECTED)?;
-    let [x, y, z] = rows.as_slice() else {
-        let problem = format!("\"matrix\" has {} rows, expected {EXPECTED}", rows.len());
-        return Err(Error::inconsistent(options.object(), problem).into());
-    };
-    let row = |value: &Value| triple(options, "matrix", value, Range::ANY);
-    Ok([row(x)?, row(y)?, row(z)?])
-}
-
-pub(super) fn black(options: &Options) -> mlua::Result<Xyz> {
-    match options.value("black")? {
-        Value::Nil => Ok(Xyz::default()),
-        value => triple(options, "black", &value, Range::NOT_NEGATIVE).map(Xyz::from),
-    }
-}
-
-/// `{red = {gain =, offset =, gamma =}, …}`; of a fitted display with standard errors and rms.
-fn channels(lua: &Lua, display: &LuaDisplay) -> mlua::Result<Table> {
-    let table = lua.create_table()?;
-    for (c, name) in CHANNELS.into_iter().enumerate() {
-        let curve = &display.display.curves()[c];
-        let channel = lua.create_table()?;
-        channel.set("gain", curve.gain)?;
-        channel.set("offset", curve.offset)?;
-        channel.set("gamma", curve.gamma)?;
-        if let Some(fitted) = &display.fitted {
-            let fit = &fitted.channels[c];
-            channel.set("gain_error", fit.gain_error)?;
-            channel.set("gamma_error", fit.gamma_error)?;
-            channel.set("rms", fit.rms)?;
-        }
-        table.set(name, channel)?;
-    }
-    Ok(table)
+    Cell::Record(CHANNELS.into_iter().enumerate().map(channel).collect())
 }
 
 impl UserData for LuaDisplay {
@@ -157,7 +163,7 @@ impl UserData for LuaDisplay {
             .add_field_method_get("offset", |_, this| Ok(this.display.curves().map(|c| c.offset)));
         fields.add_field_method_get("gamma", |_, this| Ok(this.display.curves().map(|c| c.gamma)));
         fields.add_field_method_get("bits", |_, this| Ok(this.display.bits()));
-        fields.add_field_method_get("channels", channels);
+        fields.add_field_method_get("channels", |_, this| Ok(channels(this)));
         fields.add_field_method_get("plot", |_, this| Ok(display_fit::plot(this)));
     }
 

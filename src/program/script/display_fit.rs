@@ -4,35 +4,58 @@ use std::sync::Arc;
 
 use mlua::{Lua, Table, Value};
 
-use super::display::{Fitted, LuaDisplay, black, matrix};
+use super::display::{DisplayCommonOptions, Fitted, LuaDisplay, MATRIX, matrix};
 use super::figure::LuaFigure;
 use super::host;
-use super::options::{self, Arguments, Options, Range};
+use super::kinds::{Custom, Kind, List, Naming, Text, missing, numbers};
+use super::look::BITS;
+use super::options::{self, Arguments, Range};
+use super::record::options;
 use crate::color::Xyz;
-use crate::display::{
-    self, CHANNELS, Display, DisplayMeasurement, Light, Patch, RampPatch, Verification,
-};
+use crate::display::{self, CHANNELS, Display, DisplayMeasurement, Light, Patch, RampPatch};
 use crate::error::Error;
+use crate::program::fields::Cell;
 use crate::program::figure::{Axis, Chart, Panel, Series};
+use crate::program::results::VERIFICATION;
 
-/// `display.fit { red =, green =, blue = or file =, matrix =, black =, bits = }`.
+options! {
+    struct DisplayFitOptions {
+        /// {{d, luminance}, …} or {{d, X, Y, Z}, …}
+        red: Option<Vec<RampPatch>> = RAMP.optional(""),
+        green: Option<Vec<RampPatch>> = RAMP.optional(""),
+        blue: Option<Vec<RampPatch>> = RAMP.optional(""),
+        /// instead of red, green and blue
+        file: Option<String> = Text("a file").optional(""),
+        /// cd/m²
+        matrix: Option<Vec<[f64; 3]>> = MATRIX.optional("from the ramps' XYZ"),
+        ..common: DisplayCommonOptions,
+    }
+}
+
+const RAMP: List<Custom<RampPatch>> = List {
+    entry: Custom { lua_type: "number[]", allowed: "", read: ramp_patch, shown: |_| String::new() },
+    expected: "a list of {d, luminance} or {d, X, Y, Z}",
+    naming: Naming::Row,
+};
+
 pub(super) fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaDisplay> {
-    let keys = ["bits", "black", "blue", "file", "green", "matrix", "name", "red"];
-    let options = arguments.options(&keys)?;
-    let bits = options.count("bits", 1, 16)?.unwrap_or(8) as u32;
-    let ramps = match options.text("file")? {
-        Some(path) => display::read_ramps(&host::of(lua)?.input(&path)?, bits)?,
+    const OBJECT: &str = "display.fit";
+    let DisplayFitOptions { red, green, blue, file, matrix: rows, common } = arguments.record()?;
+    let ramps = match file {
+        Some(path) => display::read_ramps(&host::of(lua)?.input(&path)?, common.bits)?,
         None => {
-            let [red, green, blue] = CHANNELS.map(|channel| ramp(&options, channel));
-            [red?, green?, blue?]
+            let given = |ramp: Option<Vec<RampPatch>>, channel| {
+                ramp.ok_or_else(|| missing(OBJECT, channel, RAMP.expected))
+            };
+            [given(red, "red")?, given(green, "green")?, given(blue, "blue")?]
         }
     };
     let measurement = DisplayMeasurement {
-        name: options.text("name")?.unwrap_or_else(|| "display".to_owned()),
+        name: common.name,
         ramps,
-        matrix: if options.has("matrix")? { Some(matrix(&options)?) } else { None },
-        black: black(&options)?,
-        bits,
+        matrix: rows.map(|rows| matrix(OBJECT, rows)).transpose()?,
+        black: common.black.into(),
+        bits: common.bits,
     };
     let fit = display::fit_display(&measurement)?;
     let fitted = Fitted { channels: fit.channels, ramps: relative_ramps(&measurement) };
@@ -69,41 +92,29 @@ pub(super) fn plot(display: &LuaDisplay) -> LuaFigure {
     LuaFigure::of_panel(Panel::Chart(Chart { title: String::new(), x, y, series }))
 }
 
-/// `{ {d, luminance}, … }` or `{ {d, X, Y, Z}, … }`.
-fn ramp(options: &Options, channel: &str) -> mlua::Result<Vec<RampPatch>> {
-    const EXPECTED: &str = "a list of {d, luminance} or {d, X, Y, Z}";
-    let patch = |(at, row): (usize, &Value)| {
-        let what = format!("\"{channel}\" row {}", at + 1);
-        let cells = numbers(options.object(), &what, row)?;
-        let light = match cells[1..] {
-            [luminance] => Light::Luminance(luminance),
-            [x, y, z] => Light::Xyz(Xyz::new(x, y, z)),
-            _ => {
-                let problem = format!("{what} has {} entries, expected {EXPECTED}", cells.len());
-                return Err(Error::inconsistent(options.object(), problem).into());
-            }
-        };
-        Ok(RampPatch { digit: cells[0], light })
+/// `{d, luminance}` or `{d, X, Y, Z}`.
+fn ramp_patch(object: &str, what: &str, value: &Value) -> mlua::Result<RampPatch> {
+    let (digit, light) = match numbers(Range::ANY).read(object, what, value)?[..] {
+        [digit, luminance] => (digit, Light::Luminance(luminance)),
+        [digit, x, y, z] => (digit, Light::Xyz(Xyz::new(x, y, z))),
+        ref cells => {
+            let problem = format!("{what} has {} entries, expected {}", cells.len(), RAMP.expected);
+            return Err(Error::inconsistent(object, problem).into());
+        }
     };
-    options.required_list(channel, EXPECTED)?.iter().enumerate().map(patch).collect()
+    Ok(RampPatch { digit, light })
 }
 
-/// One number or more.
-fn numbers(object: &str, what: &str, row: &Value) -> mlua::Result<Vec<f64>> {
-    let cells = options::list(object, what, row, "a list of numbers")?;
-    let cell = |value: &Value| options::number(object, what, value, Range::ANY);
-    let numbers: Vec<f64> = cells.iter().map(cell).collect::<mlua::Result<_>>()?;
-    if numbers.is_empty() {
-        return Err(Error::inconsistent(object, format!("{what} is empty")).into());
+options! {
+    struct DisplayRampsOptions {
+        bits: u32 = BITS.or(8),
     }
-    Ok(numbers)
 }
 
 /// `display.ramps(path, { bits = 8 })`: a file's rows, as `display.fit` takes them.
 pub(super) fn ramps(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
     let path = arguments.text("path")?;
-    let options = arguments.options(&["bits"])?;
-    let bits = options.count("bits", 1, 16)?.unwrap_or(8) as u32;
+    let DisplayRampsOptions { bits } = arguments.record()?;
     let ramps = display::read_ramps(&host::of(lua)?.input(&path)?, bits)?;
     let table = lua.create_table()?;
     for (channel, patches) in CHANNELS.into_iter().zip(&ramps) {
@@ -117,57 +128,24 @@ pub(super) fn ramps(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> 
 }
 
 /// `display:verify(patches or file)`, patches being `{ {r, g, b, X, Y, Z}, … }`.
-pub(super) fn verify(
-    lua: &Lua,
-    display: &Display,
-    mut arguments: Arguments,
-) -> mlua::Result<Table> {
+pub(super) fn verify(lua: &Lua, display: &Display, mut arguments: Arguments) -> mlua::Result<Cell> {
     const OBJECT: &str = "display:verify";
     let patches = match arguments.value() {
         Value::String(path) => {
             let path = host::of(lua)?.input(&path.to_string_lossy())?;
             display::read_patches(&path, display.bits())?
         }
-        value => {
-            let rows = options::list(OBJECT, "argument", &value, "a file or a list of patches")?;
-            rows.iter().enumerate().map(|(at, row)| patch(at, row)).collect::<mlua::Result<_>>()?
-        }
+        value => options::each(OBJECT, "argument", &value, "a file or a list of patches", patch)?,
     };
-    verification_table(lua, &display::verify(display, &patches)?)
+    Ok(VERIFICATION.record(&display::verify(display, &patches)?))
 }
 
-fn patch(at: usize, row: &Value) -> mlua::Result<Patch> {
+fn patch(number: usize, row: &Value) -> mlua::Result<Patch> {
     const OBJECT: &str = "display:verify";
-    let what = format!("patch {}", at + 1);
-    let [r, g, b, x, y, z] = numbers(OBJECT, &what, row)?[..] else {
+    let what = format!("patch {number}");
+    let [r, g, b, x, y, z] = numbers(Range::ANY).read(OBJECT, &what, row)?[..] else {
         let problem = format!("{what} is no {{r, g, b, X, Y, Z}}");
         return Err(Error::inconsistent(OBJECT, problem).into());
     };
     Ok(Patch { digits: [r, g, b], measured: Xyz::new(x, y, z) })
-}
-
-fn verification_table(lua: &Lua, verification: &Verification) -> mlua::Result<Table> {
-    /// As many as a person looks at.
-    const WORST: usize = 10;
-    let rows = |patches: &[display::PatchError]| -> mlua::Result<Vec<Table>> {
-        let row = |p: &display::PatchError| {
-            let row = lua.create_table()?;
-            row.set("digits", p.patch.digits)?;
-            row.set("measured", <[f64; 3]>::from(p.patch.measured))?;
-            row.set("predicted", <[f64; 3]>::from(p.predicted))?;
-            row.set("delta_e", p.delta_e_ab)?;
-            row.set("delta_e_2000", p.delta_e_2000)?;
-            Ok(row)
-        };
-        patches.iter().map(row).collect()
-    };
-    let table = lua.create_table()?;
-    table.set("mean", verification.mean)?;
-    table.set("max", verification.max)?;
-    table.set("mean_2000", verification.mean_2000)?;
-    table.set("max_2000", verification.max_2000)?;
-    table.set("patches", rows(&verification.patches)?)?;
-    table.set("worst", rows(&verification.worst(WORST))?)?;
-    table.set("verdict", verification.verdict.to_string())?;
-    Ok(table)
 }

@@ -4,16 +4,22 @@ use std::sync::Arc;
 
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
 
-use super::image::{self, LuaImage};
+use super::image::{LuaImage, RegionOptions};
+use super::kinds::{
+    Choice, Count, Custom, Flag, Handle, Kind, List, Naming, Nested, Number, Numbers, Or, Text,
+    any, nested, numbers,
+};
+use super::look::{LOOK, RenditionOptions};
 use super::options::{self, Arguments, Options, Range};
+use super::record::{Record, options};
 use super::{fault, host};
 use crate::color::Photometry;
 use crate::display::{Display, Look};
 use crate::error::Error;
+use crate::geometry::DVec3;
 use crate::image::Region;
 use crate::program::figure::{
-    Axis, Chart, FalseColor, Figure, Marks, Panel, RasterPanel, Scale, SegmentsPanel, Series,
-    false_color,
+    self, Axis, Chart, FalseColor, Figure, Marks, Panel, RasterPanel, Scale, Series, false_color,
 };
 
 /// Handle of a figure.
@@ -22,34 +28,17 @@ pub struct LuaFigure(Arc<Figure>);
 
 const NAMES: [&str; 2] = ["save", "svg"];
 
-const FIGURE_KEYS: [&str; 5] = ["columns", "height", "panels", "title", "width"];
-const CHART_KEYS: [&str; 4] = ["series", "title", "x", "y"];
-const SEGMENTS_KEYS: [&str; 4] = ["azimuth", "elevation", "segments", "title"];
-pub(super) const FALSE_COLOR_KEYS: [&str; 3] = ["label", "log", "range"];
-const IMAGE_KEYS: [&str; 10] = [
-    "camera",
-    "crop",
-    "exposure",
-    "false_color",
-    "gamut",
-    "glare",
-    "image",
-    "look",
-    "title",
-    "tone",
-];
-
 const DEFAULT_SIZE: [u32; 2] = [800, 600];
 
 /// Pixels a side.
 const MAX_SIDE: u64 = 16_384;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    module.set("figure", fault::function(lua, |_, a| figure(Arguments::new("figure", a, 1)?))?)
+    module.set("figure", fault::function(lua, |_, a| new(Arguments::new("figure", a, 1)?))?)
 }
 
 impl LuaFigure {
-    /// One panel at the size that [`figure`] gives where a script asks for none.
+    /// One panel at the size that [`new`] gives where a script asks for none.
     pub(super) fn of_panel(panel: Panel) -> Self {
         Self(Arc::new(Figure {
             width: DEFAULT_SIZE[0],
@@ -61,244 +50,313 @@ impl LuaFigure {
     }
 }
 
-/// `image:false_color { log =, range =, label = }`.
-pub(super) fn false_color_figure(image: &LuaImage, options: &Options) -> mlua::Result<LuaFigure> {
-    let panel = false_color(&image.xyz_image(), &colors(options, image)?)?;
+/// The luminance of an image in false colors.
+pub(super) fn false_color_figure(
+    image: &LuaImage,
+    given: FalseColorOptions,
+) -> mlua::Result<LuaFigure> {
+    let panel = false_color(&image.xyz_image(), &given.colors(image))?;
     Ok(LuaFigure::of_panel(Panel::Raster(panel)))
 }
 
+options! {
+    struct FigureOptions {
+        /// instead of the keys of one panel
+        panels: Option<Vec<Value>> = List {
+            entry: any("ChartPanel|PicturePanel|SegmentsPanel"),
+            expected: "a list of panels",
+            naming: Naming::Key,
+        }.optional(""),
+        /// of panels
+        columns: Option<usize> = Count::new(1, 100).optional("all in one row"),
+        width: u32 = Count::new(1, MAX_SIDE).of("pixels").or(DEFAULT_SIZE[0]),
+        height: u32 = Count::new(1, MAX_SIDE).of("pixels").or(DEFAULT_SIZE[1]),
+        title: String = title(),
+    }
+}
+
+fn title() -> Or<Text> {
+    Text("a title").or(String::new())
+}
+
 /// `panels` in a grid, or the keys of one panel beside those of the figure.
-fn figure(mut arguments: Arguments) -> mlua::Result<LuaFigure> {
+fn new(mut arguments: Arguments) -> mlua::Result<LuaFigure> {
     let value = arguments.value();
-    let keys = |own: &[&'static str]| {
-        let mut keys = [&FIGURE_KEYS[..], own].concat();
-        keys.sort_unstable();
-        keys.dedup();
-        keys
-    };
-    let has = |key: &str| {
-        value.as_table().is_some_and(|t| t.raw_get::<Value>(key).is_ok_and(|v| !v.is_nil()))
-    };
-    let options = if has("panels") {
-        Options::new("figure", value.clone(), &FIGURE_KEYS)?
-    } else {
-        Options::new("figure", value.clone(), &keys(panel_keys(&value)))?
-    };
-    let panels = match options.list("panels", "a list of panels")? {
-        None => vec![panel(&options)?],
+    let kind = Kinds::of(&value);
+    let has_panels = has(&value, "panels");
+    let own = if has_panels { Vec::new() } else { kind.keys() };
+    let mut keys = [FigureOptions::keys(), own].concat();
+    keys.sort_unstable();
+    keys.dedup();
+    let options = Options::new("figure", value, &keys)?;
+    let given = FigureOptions::from_options(&options)?;
+    let panels = match given.panels {
+        None => vec![kind.panel(&options)?],
         Some(list) => (1..).zip(list).map(panel_of_list).collect::<mlua::Result<_>>()?,
     };
-    let side = |key, default: u32| -> mlua::Result<u32> {
-        Ok(options.count(key, 1, MAX_SIDE)?.map_or(default, |pixels| pixels as u32))
-    };
-    // A single panel carries the title itself.
-    let title =
-        if has("panels") { options.text("title")?.unwrap_or_default() } else { String::new() };
     let figure = Figure {
-        width: side("width", DEFAULT_SIZE[0])?,
-        height: side("height", DEFAULT_SIZE[1])?,
-        title,
-        columns: options.count("columns", 1, 100)?.unwrap_or(panels.len() as u64) as usize,
+        width: given.width,
+        height: given.height,
+        // A single panel carries the title itself.
+        title: if has_panels { given.title } else { String::new() },
+        columns: given.columns.unwrap_or(panels.len()),
         panels,
     };
     Ok(LuaFigure(Arc::new(figure)))
 }
 
+fn has(value: &Value, key: &str) -> bool {
+    value.as_table().is_some_and(|t| t.raw_get::<Value>(key).is_ok_and(|v| !v.is_nil()))
+}
+
 fn panel_of_list((number, value): (usize, Value)) -> mlua::Result<Panel> {
-    let keys = panel_keys(&value);
-    panel(&Options::new(&format!("figure: panel {number}"), value, keys)?)
+    let kind = Kinds::of(&value);
+    kind.panel(&Options::new(&format!("figure: panel {number}"), value, &kind.keys())?)
 }
 
-/// The keys of the kind of panel that a table describes: a picture, segments, or else a chart.
-fn panel_keys(value: &Value) -> &'static [&'static str] {
-    let has = |key: &str| {
-        value.as_table().is_some_and(|t| t.raw_get::<Value>(key).is_ok_and(|v| !v.is_nil()))
-    };
-    if has("image") {
-        &IMAGE_KEYS
-    } else if has("segments") {
-        &SEGMENTS_KEYS
-    } else {
-        &CHART_KEYS
+/// What a panel may show.
+#[derive(Clone, Copy)]
+enum Kinds {
+    Picture,
+    Segments,
+    Chart,
+}
+
+impl Kinds {
+    /// Of the panel that a table describes: a picture, segments, or else a chart.
+    fn of(value: &Value) -> Self {
+        if has(value, "image") {
+            Self::Picture
+        } else if has(value, "segments") {
+            Self::Segments
+        } else {
+            Self::Chart
+        }
     }
-}
 
-fn panel(options: &Options) -> mlua::Result<Panel> {
-    if options.has("image")? {
-        picture(options).map(Panel::Raster)
-    } else if options.has("segments")? {
-        segments(options).map(Panel::Segments)
-    } else {
-        chart(options).map(Panel::Chart)
+    fn keys(self) -> Vec<&'static str> {
+        match self {
+            Self::Picture => PicturePanel::keys(),
+            Self::Segments => SegmentsPanel::keys(),
+            Self::Chart => ChartPanel::keys(),
+        }
     }
-}
 
-fn title(options: &Options) -> mlua::Result<String> {
-    Ok(options.text("title")?.unwrap_or_default())
-}
-
-fn chart(options: &Options) -> mlua::Result<Chart> {
-    let list = options.required_list("series", "a list of {points =, name =, style =}")?;
-    Ok(Chart {
-        title: title(options)?,
-        x: axis(options, "x")?,
-        y: axis(options, "y")?,
-        series: (1..).zip(list).map(|s| series(options, s)).collect::<mlua::Result<_>>()?,
-    })
-}
-
-/// `{label =, log = false, range = {from, to}}`.
-fn axis(options: &Options, key: &str) -> mlua::Result<Axis> {
-    let object = format!("{}: {key}", options.object());
-    let axis = Options::new(&object, options.value(key)?, &["label", "log", "range"])?;
-    Ok(Axis {
-        label: axis.text("label")?.unwrap_or_default(),
-        scale: scale(&axis, Scale::Linear)?,
-        range: range(&axis)?,
-    })
-}
-
-fn scale(options: &Options, default: Scale) -> mlua::Result<Scale> {
-    let is_log = options.flag("log", default == Scale::Log)?;
-    Ok(if is_log { Scale::Log } else { Scale::Linear })
-}
-
-fn range(options: &Options) -> mlua::Result<Option<[f64; 2]>> {
-    match options.value("range")? {
-        Value::Nil => Ok(None),
-        value => {
-            let what = "\"range\"";
-            numbers(options.object(), what, &value, Range::ANY).map(Some)
+    fn panel(self, options: &Options) -> mlua::Result<Panel> {
+        match self {
+            Self::Picture => picture(options).map(Panel::Raster),
+            Self::Segments => segments(options).map(Panel::Segments),
+            Self::Chart => chart(options).map(Panel::Chart),
         }
     }
 }
 
-/// A list of N numbers.
-pub(super) fn numbers<const N: usize>(
-    object: &str,
-    what: &str,
-    value: &Value,
-    range: Range,
-) -> mlua::Result<[f64; N]> {
-    let list = options::list(object, what, value, &format!("a list of {N} numbers"))?;
-    let entries: Vec<f64> = list
-        .iter()
-        .map(|entry| options::number(object, what, entry, range))
-        .collect::<mlua::Result<_>>()?;
-    <[f64; N]>::try_from(entries).map_err(|entries| {
-        let problem = format!("{what} has {} entries, expected {N} numbers", entries.len());
+options! {
+    struct ChartPanel {
+        series: Vec<Value> = List {
+            entry: any("FigureSeries"),
+            expected: "a list of {points =, name =, style =}",
+            naming: Naming::Key,
+        },
+        x: FigureAxis = Nested::new(),
+        y: FigureAxis = Nested::new(),
+        title: String = title(),
+    }
+}
+
+options! {
+    struct FigureAxis {
+        /// with its unit
+        label: String = Text("a label").or(String::new()),
+        log: bool = Flag.or(false),
+        range: Option<[f64; 2]> = ENDS.optional("what the series need"),
+    }
+}
+
+/// Of an axis or a scale.
+const ENDS: Numbers<2> = Numbers { range: Range::ANY, expected: "a list of 2 numbers" };
+
+fn chart(options: &Options) -> mlua::Result<Chart> {
+    let given = ChartPanel::from_options(options)?;
+    let object = options.object();
+    Ok(Chart {
+        title: given.title,
+        x: given.x.axis(),
+        y: given.y.axis(),
+        series: (1..).zip(given.series).map(|s| series(object, s)).collect::<mlua::Result<_>>()?,
+    })
+}
+
+impl FigureAxis {
+    fn axis(self) -> Axis {
+        Axis { label: self.label, scale: scale(self.log), range: self.range }
+    }
+}
+
+fn scale(is_log: bool) -> Scale {
+    if is_log { Scale::Log } else { Scale::Linear }
+}
+
+options! {
+    struct FigureSeries {
+        /// {{x, y}, …}; {} parts a line
+        points: Vec<[f64; 2]> = List {
+            entry: POINT,
+            expected: "a list of {x, y}",
+            naming: Naming::Row,
+        },
+        /// for the legend
+        name: String = Text("a name").or(String::new()),
+        style: Marks = Choice(&[
+            ("line", Marks::Line),
+            ("dashes", Marks::Dashes),
+            ("points", Marks::Points),
+            ("both", Marks::LineAndPoints),
+        ]).or(Marks::Line),
+        /// half lengths of error bars, one for each point
+        errors: Option<Vec<f64>> = numbers(Range::ANY).optional(""),
+        /// {red, green, blue}
+        color: Option<[f64; 3]> = Numbers {
+            range: Range::new(0.0, 255.0, ""),
+            expected: "a list of 3 numbers",
+        }.optional(""),
+    }
+}
+
+fn series(object: &str, (number, value): (usize, Value)) -> mlua::Result<Series> {
+    let FigureSeries { points, name, style, errors, color } =
+        Record::read(&format!("{object}: series {number}"), value)?;
+    let color = color.map(|rgb| rgb.map(|part| part as u8));
+    Ok(Series { name, marks: style, points, errors, color })
+}
+
+/// `{x, y}`, or `{}` where a line is to be parted.
+const POINT: Custom<[f64; 2]> = Custom {
+    lua_type: "number[]",
+    allowed: "",
+    read: |object, what, value| {
+        if value.as_table().is_some_and(|table| table.raw_len() == 0) {
+            return Ok([f64::NAN; 2]);
+        }
+        ENDS.read(object, what, value)
+    },
+    shown: |_| String::new(),
+};
+
+options! {
+    struct SegmentsPanel {
+        /// {{from, to}, …}, mm
+        segments: Vec<[DVec3; 2]> = List {
+            entry: SEGMENT,
+            expected: "a list of {{x, y, z}, {x, y, z}}",
+            naming: Naming::Row,
+        },
+        /// degrees
+        azimuth: f64 = Number(Range::ANY).or(30.0),
+        /// degrees
+        elevation: f64 = Number(Range::ANY).or(20.0),
+        title: String = title(),
+    }
+}
+
+const SEGMENT: Custom<[DVec3; 2]> =
+    Custom { lua_type: "vector[]", allowed: "", read: segment, shown: |_| String::new() };
+
+fn segment(object: &str, what: &str, value: &Value) -> mlua::Result<[DVec3; 2]> {
+    let end = |_, value: &Value| options::vector(object, what, value);
+    let ends = options::each(object, what, value, "{{x, y, z}, {x, y, z}}", end)?;
+    <[DVec3; 2]>::try_from(ends).map_err(|ends| {
+        let problem = format!("{what} has {} ends, expected 2", ends.len());
         Error::inconsistent(object, problem).into()
     })
 }
 
-fn series(options: &Options, (number, value): (usize, Value)) -> mlua::Result<Series> {
-    let object = format!("{}: series {number}", options.object());
-    let series = Options::new(&object, value, &["color", "errors", "name", "points", "style"])?;
-    let points = series.required_list("points", "a list of {x, y}")?;
-    let points = (1..).zip(&points).map(|(row, value)| point(&object, row, value));
-    let styles = [
-        ("line", Marks::Line),
-        ("dashes", Marks::Dashes),
-        ("points", Marks::Points),
-        ("both", Marks::LineAndPoints),
-    ];
-    let errors = series.list("errors", "a list of numbers")?.map(|list| {
-        let error = |value: &Value| options::number(&object, "\"errors\"", value, Range::ANY);
-        list.iter().map(error).collect::<mlua::Result<Vec<f64>>>()
-    });
-    let color = match series.value("color")? {
-        Value::Nil => None,
-        value => Some(numbers(&object, "\"color\"", &value, Range::new(0.0, 255.0, ""))?),
-    };
-    Ok(Series {
-        name: series.text("name")?.unwrap_or_default(),
-        marks: series.choice("style", &styles)?.unwrap_or(Marks::Line),
-        points: points.collect::<mlua::Result<_>>()?,
-        errors: errors.transpose()?,
-        color: color.map(|rgb: [f64; 3]| rgb.map(|part| part as u8)),
+fn segments(options: &Options) -> mlua::Result<figure::SegmentsPanel> {
+    let SegmentsPanel { segments, azimuth, elevation, title } = Record::from_options(options)?;
+    Ok(figure::SegmentsPanel {
+        title,
+        segments: segments.iter().map(|ends| ends.map(|end| end.to_array())).collect(),
+        azimuth_deg: azimuth,
+        elevation_deg: elevation,
     })
 }
 
-/// `{x, y}`, or `{}` where a line is to be parted.
-fn point(object: &str, row: usize, value: &Value) -> mlua::Result<[f64; 2]> {
-    if value.as_table().is_some_and(|table| table.raw_len() == 0) {
-        return Ok([f64::NAN; 2]);
+options! {
+    struct PicturePanel {
+        image: LuaImage = Handle::new("Image", "an image"),
+        crop: Option<RegionOptions> = Nested::new().optional(""),
+        /// instead of the picture: its luminance
+        false_color: Option<FalseColorOptions> = FALSE_COLOR.or(None),
+        title: String = title(),
+        look: Look = LOOK.or(Look::paper()),
+        ..rendition: RenditionOptions,
     }
-    numbers(object, &format!("\"points\" row {row}"), value, Range::ANY)
 }
 
-fn segments(options: &Options) -> mlua::Result<SegmentsPanel> {
-    const EXPECTED: &str = "a list of {{x, y, z}, {x, y, z}}";
-    let object = options.object();
-    let segment = |(row, value): (usize, &Value)| -> mlua::Result<[[f64; 3]; 2]> {
-        let what = format!("\"segments\" row {row}");
-        let ends = options::list(object, &what, value, "{{x, y, z}, {x, y, z}}")?;
-        let [from, to] = ends.as_slice() else {
-            let problem = format!("{what} has {} ends, expected 2", ends.len());
-            return Err(Error::inconsistent(object, problem).into());
-        };
-        let end = |value| options::vector(object, &what, value).map(|end| end.to_array());
-        Ok([end(from)?, end(to)?])
-    };
-    let list = options.required_list("segments", EXPECTED)?;
-    Ok(SegmentsPanel {
-        title: title(options)?,
-        segments: (1..).zip(&list).map(segment).collect::<mlua::Result<_>>()?,
-        azimuth_deg: options.number_or("azimuth", Range::ANY, 30.0)?,
-        elevation_deg: options.number_or("elevation", Range::ANY, 20.0)?,
-    })
+options! {
+    #[derive(Clone)]
+    struct FalseColorOptions {
+        log: bool = Flag.or(true),
+        range: Option<[f64; 2]> = ENDS.optional("what the image needs"),
+        /// of the scale bar
+        label: Option<String> = Text("a label").optional("luminance, in cd/m² or relative as the scene is"),
+    }
 }
 
 /// An image as sRGB shows it, or its luminance in false colors; a part of it with `crop`.
 fn picture(options: &Options) -> mlua::Result<RasterPanel> {
-    let image: LuaImage = options.required_handle("image", "an image")?;
-    let panel = match false_colors(options, &image)? {
-        Some(colors) => false_color(&image.xyz_image(), &colors)?,
-        None => {
-            // A figure is an sRGB picture.
-            let look = Look { display: Display::srgb(), ..image::look(options)? };
-            let shown = look.develop(image.spectral())?.picture;
-            let pixels = shown.digits.iter().map(|digits| digits.map(|digit| digit as u8));
-            RasterPanel {
-                title: String::new(),
-                width: shown.width,
-                height: shown.height,
-                pixels: pixels.collect(),
-                scale_bar: None,
-            }
-        }
+    let given = PicturePanel::from_options(options)?;
+    let panel = match &given.false_color {
+        Some(colors) => false_color(&given.image.xyz_image(), &colors.colors(&given.image))?,
+        // A figure is an sRGB picture.
+        None => shown(
+            &given.image,
+            &Look { display: Display::srgb(), ..given.rendition.change(given.look) },
+        )?,
     };
-    let panel = RasterPanel { title: title(options)?, ..panel };
-    if !options.has("crop")? {
-        return Ok(panel);
+    let panel = RasterPanel { title: given.title, ..panel };
+    match given.crop {
+        None => Ok(panel),
+        Some(crop) => Ok(cropped(panel, given.image.region(&crop))?),
     }
-    let object = format!("{}: crop", options.object());
-    let region = Options::new(&object, options.value("crop")?, &image::REGION_KEYS)?;
-    Ok(cropped(panel, image.region(region)?)?)
+}
+
+fn shown(image: &LuaImage, look: &Look) -> crate::Result<RasterPanel> {
+    let shown = look.develop(image.spectral())?.picture;
+    let pixels = shown.digits.iter().map(|digits| digits.map(|digit| digit as u8));
+    Ok(RasterPanel {
+        title: String::new(),
+        width: shown.width,
+        height: shown.height,
+        pixels: pixels.collect(),
+        scale_bar: None,
+    })
 }
 
 /// `true`, or `{log = true, range =, label =}`.
-fn false_colors(options: &Options, image: &LuaImage) -> mlua::Result<Option<FalseColor>> {
-    let value = match options.value("false_color")? {
-        Value::Nil | Value::Boolean(false) => return Ok(None),
-        Value::Boolean(true) => Value::Nil,
-        value => value,
-    };
-    let object = format!("{}: false_color", options.object());
-    colors(&Options::new(&object, value, &FALSE_COLOR_KEYS)?, image).map(Some)
-}
+const FALSE_COLOR: Custom<Option<FalseColorOptions>> = Custom {
+    lua_type: "boolean|FalseColorOptions",
+    allowed: "",
+    read: |object, what, value| {
+        let given = match value {
+            Value::Boolean(false) => return Ok(None),
+            Value::Boolean(true) => Value::Nil,
+            value => value.clone(),
+        };
+        FalseColorOptions::read(&nested(object, what), given).map(Some)
+    },
+    shown: |_| "false".to_owned(),
+};
 
-fn colors(options: &Options, image: &LuaImage) -> mlua::Result<FalseColor> {
-    let default = FalseColor::default();
-    let label = match image.photometry() {
-        Photometry::Absolute => default.label,
-        Photometry::Relative => "luminance (relative)".to_owned(),
-    };
-    Ok(FalseColor {
-        scale: scale(options, default.scale)?,
-        range: range(options)?,
-        label: options.text("label")?.unwrap_or(label),
-    })
+impl FalseColorOptions {
+    fn colors(&self, image: &LuaImage) -> FalseColor {
+        let label = || match image.photometry() {
+            Photometry::Absolute => FalseColor::default().label,
+            Photometry::Relative => "luminance (relative)".to_owned(),
+        };
+        let label = self.label.clone().unwrap_or_else(label);
+        FalseColor { scale: scale(self.log), range: self.range, label }
+    }
 }
 
 fn cropped(panel: RasterPanel, region: Region) -> crate::Result<RasterPanel> {
@@ -313,8 +371,8 @@ impl UserData for LuaFigure {
             let path = Arguments::new("figure:save", a, 1)?.text("path")?;
             let target = host::of(lua)?.output(&path)?;
             match target.extension().and_then(|e| e.to_str()) {
-                Some("png") => Ok(crate::program::figure::write_figure_png(&target, &this.0)?),
-                Some("svg") => Ok(crate::program::figure::write_figure_svg(&target, &this.0)?),
+                Some("png") => Ok(figure::write_figure_png(&target, &this.0)?),
+                Some("svg") => Ok(figure::write_figure_svg(&target, &this.0)?),
                 _ => {
                     let found = format!("\"{path}\"");
                     let allowed = "names ending in .png or .svg";
@@ -322,9 +380,7 @@ impl UserData for LuaFigure {
                 }
             }
         });
-        fault::method(methods, "svg", |_, this: &Self, _| {
-            Ok(crate::program::figure::figure_svg(&this.0)?)
-        });
+        fault::method(methods, "svg", |_, this: &Self, _| Ok(figure::figure_svg(&this.0)?));
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
             let Figure { width, height, panels, .. } = this.0.as_ref();
             Ok(format!("figure: {width} × {height}, {} panels", panels.len()))

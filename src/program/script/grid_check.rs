@@ -3,15 +3,32 @@
 use mlua::{Lua, Table, Value};
 
 use super::host;
-use super::options::{self, Options};
+use super::kinds::{Choice, Flag, Handle, Kind, Text};
+use super::options;
 use super::photometry::LuaGrid;
+use super::record::{Record, options};
 use crate::error::Error;
 use crate::program::intensity::{
-    Grid, LampRules, Limits, PointCheck, Side, StopRatio, VisibilityField, Weakest,
+    Grid, LampRules, Limits, Side, StopRatio, VisibilityField, Weakest,
 };
+use crate::program::results::POINT;
 
 const OBJECT: &str = "grid:check";
-const KEYS: [&str; 5] = ["file", "lamp", "marked_d", "position", "side"];
+
+options! {
+    struct GridCheckOptions {
+        /// a lamp of the file
+        lamp: String = Text("the name of a lamp in the limits"),
+        /// CSV: lamp, color, h, v, min, max
+        file: Option<String> = Text("a file").optional("UN R148"),
+        /// the maximum of lamps marked "D"
+        marked_d: bool = Flag.or(false),
+        /// of the vehicle as seen from behind: checks the field of visibility
+        side: Option<Side> = Choice(&[("left", Side::Left), ("right", Side::Right)]).optional(""),
+        /// of the position lamp combined with this stop lamp: checks their ratio
+        position: Option<LuaGrid> = Handle::new("Grid", "the grid of the position lamp").optional(""),
+    }
+}
 
 /// `"S1"` of UN R148, or `{lamp =, file =, marked_d =, side =, position =}`.
 pub(super) fn check(lua: &Lua, grid: &Grid, value: Value) -> mlua::Result<Table> {
@@ -23,13 +40,12 @@ pub(super) fn check(lua: &Lua, grid: &Grid, value: Value) -> mlua::Result<Table>
             Value::Table(options)
         }
     };
-    let rules = Rules::new(lua, &Options::new(OBJECT, value, &KEYS)?)?;
+    let rules = Rules::new(lua, Record::read(OBJECT, value)?)?;
     let table = lua.create_table()?;
     let checks = rules.limits.check(grid);
     let mut passes = checks.iter().all(|check| check.passes);
     table.set("color", rules.limits.color.name())?;
-    let rows = checks.iter().map(|check| point(lua, check));
-    table.set("points", rows.collect::<mlua::Result<Vec<_>>>()?)?;
+    table.set("points", POINT.list(&checks))?;
     if let Some((field, side)) = rules.field {
         let weakest = field.weakest(grid, side)?;
         passes &= weakest.value >= field.min_cd;
@@ -52,9 +68,9 @@ struct Rules {
 }
 
 impl Rules {
-    fn new(lua: &Lua, options: &Options) -> mlua::Result<Self> {
-        let lamp = options.required_text("lamp", "the name of a lamp in the limits")?;
-        let (limits, known) = match options.text("file")? {
+    fn new(lua: &Lua, given: GridCheckOptions) -> mlua::Result<Self> {
+        let lamp = given.lamp;
+        let (limits, known) = match given.file {
             None => (Limits::un_r148(&lamp)?, LampRules::un_r148(&lamp)),
             // Files of one's own hold points only.
             Some(path) => (Limits::load(&host::of(lua)?.input(&path)?, &lamp)?, None),
@@ -64,7 +80,7 @@ impl Rules {
                 format!("\"{key}\": UN R148, as far as it is known here, has no {what} for {lamp}");
             Error::inconsistent(OBJECT, problem)
         };
-        let limits = if options.flag("marked_d", false)? {
+        let limits = if given.marked_d {
             let max_cd = known.and_then(|rules| rules.max_d_cd);
             limits.with_max(max_cd.ok_or_else(|| unknown("marked_d", "maximum"))?)
         } else {
@@ -78,12 +94,10 @@ impl Rules {
             let ratio = known.and_then(|rules| rules.ratio);
             Ok::<_, Error>((ratio.ok_or_else(|| unknown("position", "ratio"))?, position))
         };
-        let sides = [("left", Side::Left), ("right", Side::Right)];
-        let position = options.handle::<LuaGrid>("position", "the grid of the position lamp")?;
         Ok(Self {
             limits,
-            field: options.choice("side", &sides)?.map(field).transpose()?,
-            ratio: position.map(ratio).transpose()?,
+            field: given.side.map(field).transpose()?,
+            ratio: given.position.map(ratio).transpose()?,
         })
     }
 }
@@ -95,17 +109,5 @@ fn weakest_table(lua: &Lua, what: &str, weakest: Weakest, min: f64) -> mlua::Res
     table.set(what, weakest.value)?;
     table.set("min", min)?;
     table.set("pass", weakest.value >= min)?;
-    Ok(table)
-}
-
-fn point(lua: &Lua, check: &PointCheck) -> mlua::Result<Table> {
-    let table = lua.create_table()?;
-    table.set("h", check.requirement.direction.h_deg)?;
-    table.set("v", check.requirement.direction.v_deg)?;
-    table.set("min", check.requirement.min_cd)?;
-    table.set("max", check.requirement.max_cd)?;
-    table.set("intensity", check.intensity_cd)?;
-    table.set("color", check.color.map(|color| color.name()))?;
-    table.set("pass", check.passes)?;
     Ok(table)
 }

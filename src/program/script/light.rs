@@ -2,20 +2,22 @@
 
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
+use mlua::{Function, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods};
 
 use super::host::Host;
 use super::image::LuaImage;
-use super::kinds::{Count, Kind, Or};
-use super::mesh::placement;
-use super::options::{self, Arguments, Options, Range};
+use super::kinds::{Callback, Count, Custom, Kind, Number, Or, SpectrumOrNumber, Vector, vectors};
+use super::mesh::Transform;
+use super::options::{self, Arguments, Range};
+use super::record::{Record, options};
 use super::spectrum::LuaSpectrum;
 use super::{fault, host};
 use crate::error::Error;
 use crate::geometry::DVec3;
 use crate::light::{RaySample, RaySet};
+use crate::program::fields::Cell;
+use crate::program::results::{RAY, START_SURFACE, WorldRay};
 use crate::source::rayfile::{self, LightOptions, SaveFormat};
-use crate::source::surface_fit::{FittedSurface, SurfaceFit};
 use crate::source::{StartSurface, Starts, noise, thinning};
 use crate::spectrum::Spectrum;
 
@@ -56,29 +58,52 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     module.set("rayset", table)
 }
 
+options! {
+    struct RaysetLoadOptions {
+        spectrum: Option<Spectrum> = SpectrumOrNumber::of_light().optional("the file's"),
+        flux: Option<f64> =
+            Number(FLUX).optional("the header's, else the sum of the rays"),
+        /// keep this many rays, drawn evenly
+        samples: Option<usize> = Count::new(1, MAX_SAMPLES).optional("all"),
+        /// of the draw
+        seed: u64 = SEED,
+        /// moves the rays' starts along the rays
+        start: Option<StartOptions> = START.optional("as they are"),
+        transform: Option<Transform> = TRANSFORM.optional(""),
+    }
+}
+
+const TRANSFORM: Custom<Transform> = Custom {
+    lua_type: "Transform",
+    allowed: "",
+    read: |_, _, value| Transform::read("rayset: transform", value.clone()),
+    shown: |_| String::new(),
+};
+
 fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let path = arguments.text("path")?;
-    let keys = ["flux", "samples", "seed", "spectrum", "start", "transform"];
-    let options = arguments.options(&keys)?;
+    let given: RaysetLoadOptions = arguments.record()?;
     let host = host::of(lua)?;
     let file = rayfile::read(&host.input(&path)?)?;
     for warning in &file.warnings {
         host.warn(format!("{path}: {warning}"));
     }
-    let given = LightOptions {
-        spectrum: options.spectrum("spectrum")?,
-        flux_lm: options.number("flux", FLUX)?,
-    };
-    let (mut rays, spectrum) = file.into_light(given)?;
-    if let Some(count) = options.count("samples", 1, MAX_SAMPLES)? {
-        rays = rays.thinned(count as usize, seed(&host, &options)?);
+    let light = LightOptions { spectrum: given.spectrum, flux_lm: given.flux };
+    let (mut rays, spectrum) = file.into_light(light)?;
+    if let Some(count) = given.samples {
+        host.note_seed("rayset.load", given.seed);
+        rays = rays.thinned(count, given.seed);
     }
-    if options.has("start")? {
-        rays = rays.starting_at(&start_surface(options.value("start")?)?)?;
+    if let Some(start) = given.start {
+        rays = rays.starting_at(&start.surface()?)?;
     } else if let Some(warning) = Starts::of(&rays.samples).warning() {
         host.warn(format!("{path}: {warning}"));
     }
-    placed(LuaLight { rays, spectrum: Arc::new(spectrum) }, options.value("transform")?)
+    let light = LuaLight { rays, spectrum: Arc::new(spectrum) };
+    match given.transform {
+        None => Ok(light),
+        Some(transform) => placed(light, &transform),
+    }
 }
 
 /// Every whole number up to here is a number of Lua's.
@@ -92,106 +117,132 @@ pub(super) fn samples(default: usize) -> Or<Count<usize>> {
     Count::new(1, MAX_SAMPLES).or(default)
 }
 
-/// Draws repeat: the same seed gives the same samples. Manifests name it.
-pub(super) fn seed(host: &Host, options: &Options) -> mlua::Result<u64> {
-    let seed = options.count("seed", 0, LAST)?.unwrap_or(thinning::DEFAULT_SEED);
-    host.note_seed(options.object(), seed);
-    Ok(seed)
+options! {
+    /// What rays start nearest to: a line or a point.
+    struct StartOptions {
+        /// of a line
+        axis: Option<DVec3> = Vector("").optional(""),
+        /// a point of the line
+        through: DVec3 = Vector("mm").or(DVec3::ZERO),
+        /// instead of a line
+        point: Option<DVec3> = Vector("mm").optional(""),
+        radius: f64 = Number(Range::new(0.0, f64::INFINITY, "mm")).or(0.0),
+    }
 }
 
-/// `{axis =, through =}` or `{point =}`, with an optional `radius`.
-fn start_surface(value: Value) -> mlua::Result<StartSurface> {
-    const OBJECT: &str = "rayset: start";
-    let options = Options::new(OBJECT, value, &["axis", "point", "radius", "through"])?;
-    let core = match (options.vector("axis")?, options.vector("point")?) {
-        (Some(axis), None) => {
-            StartSurface::axis(options.vector("through")?.unwrap_or(DVec3::ZERO), axis)?
-        }
-        (None, Some(point)) => StartSurface::point(point)?,
-        _ => {
-            let problem = "expected either \"axis\" (with \"through\") or \"point\"";
-            return Err(Error::inconsistent(OBJECT, problem).into());
-        }
-    };
-    Ok(core.with_radius(options.number_or("radius", Range::NOT_NEGATIVE, 0.0)?)?)
+const START: Custom<StartOptions> = Custom {
+    lua_type: "StartOptions",
+    allowed: "",
+    read: |_, _, value| StartOptions::read(START_OBJECT, value.clone()),
+    shown: |_| String::new(),
+};
+
+const START_OBJECT: &str = "rayset: start";
+
+impl StartOptions {
+    fn surface(&self) -> mlua::Result<StartSurface> {
+        let core = match (self.axis, self.point) {
+            (Some(axis), None) => StartSurface::axis(self.through, axis)?,
+            (None, Some(point)) => StartSurface::point(point)?,
+            _ => {
+                let problem = "expected either \"axis\" (with \"through\") or \"point\"";
+                return Err(Error::inconsistent(START_OBJECT, problem).into());
+            }
+        };
+        Ok(core.with_radius(self.radius)?)
+    }
 }
 
-pub(super) fn placed(light: LuaLight, transform: Value) -> mlua::Result<LuaLight> {
-    let placement = placement("rayset: transform", transform)?;
+pub(super) fn placed(light: LuaLight, transform: &Transform) -> mlua::Result<LuaLight> {
+    let placement = transform.placement("rayset: transform")?;
     let world_from_local = placement.affine() * light.rays.world_from_local;
     Ok(LuaLight { rays: RaySet { world_from_local, ..light.rays }, ..light })
 }
 
+options! {
+    struct RaysetNewOptions {
+        positions: Vec<DVec3> = vectors("mm"),
+        directions: Vec<DVec3> = vectors(""),
+        /// in all, or one for each ray
+        flux: Fluxes = FLUXES,
+        spectrum: Spectrum = SpectrumOrNumber::of_light(),
+    }
+}
+
 fn from_tables(mut arguments: Arguments) -> mlua::Result<LuaLight> {
-    let options = arguments.options(&["directions", "flux", "positions", "spectrum"])?;
-    let object = options.object();
-    let positions = options.required_vectors("positions")?;
-    let directions = options.required_vectors("directions")?;
+    const OBJECT: &str = "rayset.new";
+    let RaysetNewOptions { positions, directions, flux, spectrum } = arguments.record()?;
     if positions.len() != directions.len() || positions.is_empty() {
         let problem = format!(
             "{} positions and {} directions, expected as many of each, and one or more",
             positions.len(),
             directions.len()
         );
-        return Err(Error::inconsistent(object, problem).into());
+        return Err(Error::inconsistent(OBJECT, problem).into());
     }
-    let fluxes = fluxes(&options, positions.len())?;
+    let relative = flux.relative(OBJECT, positions.len())?;
     let mut samples = Vec::with_capacity(positions.len());
     for (at, (position, direction)) in positions.iter().zip(&directions).enumerate() {
         let Some(unit) = direction.try_normalize() else {
             let what = format!("\"directions\" entry {}", at + 1);
-            return Err(Error::out_of_range(object, &what, direction, "any direction").into());
+            return Err(Error::out_of_range(OBJECT, &what, direction, "any direction").into());
         };
         samples.push(RaySample {
             position: position.as_vec3().to_array(),
             direction: unit.as_vec3().to_array(),
-            flux: fluxes.relative[at] as f32,
+            flux: relative[at] as f32,
         });
     }
-    let spectrum = required_spectrum(&options)?;
-    let rays = RaySet::new(samples.into(), fluxes.total_lm);
+    let rays = RaySet::new(samples.into(), flux.total_lm());
     Ok(LuaLight { rays, spectrum: Arc::new(spectrum) })
 }
 
-struct Fluxes {
-    /// Relative to the largest, so that f32 holds them whatever their unit.
-    relative: Vec<f64>,
-    total_lm: f64,
+/// lm of a set of rays.
+pub(super) enum Fluxes {
+    Total(f64),
+    Each(Vec<f64>),
 }
 
-/// `flux` as the total of even samples, or one number a sample.
-fn fluxes(options: &Options, count: usize) -> mlua::Result<Fluxes> {
-    if !matches!(options.value("flux")?, Value::Table(_)) {
-        let total_lm = options.required_number("flux", FLUX)?;
-        return Ok(Fluxes { relative: vec![1.0; count], total_lm });
-    }
-    let list = options.required_list("flux", "a number of lm, or a list of them")?;
-    if list.len() != count {
-        let problem = format!("{} fluxes for {count} positions, expected one each", list.len());
-        return Err(Error::inconsistent(options.object(), problem).into());
-    }
-    let entry = |(at, value): (usize, &Value)| {
-        let what = format!("\"flux\" entry {}", at + 1);
-        options::number(options.object(), &what, value, Range::NOT_NEGATIVE)
-    };
-    let fluxes: Vec<f64> = list.iter().enumerate().map(entry).collect::<mlua::Result<_>>()?;
-    let largest = fluxes.iter().copied().fold(0.0, f64::max);
-    if largest == 0.0 {
-        return Err(Error::inconsistent(options.object(), "\"flux\" is 0 throughout").into());
-    }
-    let relative = fluxes.iter().map(|flux| flux / largest).collect();
-    Ok(Fluxes { relative, total_lm: fluxes.iter().sum() })
-}
-
-pub(super) fn required_spectrum(options: &Options) -> mlua::Result<Spectrum> {
-    options.spectrum("spectrum")?.ok_or_else(|| {
-        Error::MissingKey {
-            object: options.object().to_owned(),
-            key: "spectrum".to_owned(),
-            expected: "expected a spectrum, such as lampyris.spectrum.blackbody(2856)".to_owned(),
+const FLUXES: Custom<Fluxes> = Custom {
+    lua_type: "number|number[]",
+    allowed: "above 0 lm",
+    read: |object, what, value| {
+        if !value.is_table() {
+            return options::number(object, what, value, FLUX).map(Fluxes::Total);
         }
-        .into()
-    })
+        let list =
+            options::each(object, what, value, "a number of lm, or a list of them", |at, v| {
+                options::number(object, &format!("{what} entry {at}"), v, Range::NOT_NEGATIVE)
+            });
+        list.map(Fluxes::Each)
+    },
+    shown: |_| String::new(),
+};
+
+impl Fluxes {
+    fn total_lm(&self) -> f64 {
+        match self {
+            Self::Total(total) => *total,
+            Self::Each(list) => list.iter().sum(),
+        }
+    }
+
+    /// Relative to the largest, so that f32 holds them whatever their unit.
+    fn relative(&self, object: &str, count: usize) -> mlua::Result<Vec<f64>> {
+        let list = match self {
+            Self::Total(_) => return Ok(vec![1.0; count]),
+            Self::Each(list) => list,
+        };
+        if list.len() != count {
+            let problem = format!("{} fluxes for {count} positions, expected one each", list.len());
+            return Err(Error::inconsistent(object, problem).into());
+        }
+        let largest = list.iter().copied().fold(0.0, f64::max);
+        if largest == 0.0 {
+            return Err(Error::inconsistent(object, "\"flux\" is 0 throughout").into());
+        }
+        Ok(list.iter().map(|flux| flux / largest).collect())
+    }
 }
 
 impl LuaLight {
@@ -200,81 +251,55 @@ impl LuaLight {
     }
 }
 
+options! {
+    struct RaysetNoiseOptions {
+        image: Function = Callback {
+            lua_type: "fun(rays: Rayset): Image",
+            expected: "a function that renders an image with the ray set that it is given",
+        },
+        /// of the first split
+        seed: u64 = SEED,
+        splits: u64 = Count::new(1, 1000).or(1),
+    }
+}
+
 /// The relative error that a picture has from the number of rays alone: that of its luminance, from
 /// pictures with disjoint halves of the set, which the script's `image` function takes.
-fn noise(host: &Host, light: &LuaLight, options: &Options) -> mlua::Result<f64> {
-    const EXPECTED: &str = "a function that renders an image with the ray set that it is given";
-    let object = options.object();
+fn noise(host: &Host, light: &LuaLight, mut arguments: Arguments) -> mlua::Result<f64> {
+    const OBJECT: &str = "rayset:noise";
+    let RaysetNoiseOptions { image: take, seed, splits } = arguments.record()?;
     if light.rays.samples.len() < 2 {
-        return Err(Error::inconsistent(object, "a set of one ray has no halves").into());
+        return Err(Error::inconsistent(OBJECT, "a set of one ray has no halves").into());
     }
-    let take = options.required_function("image", EXPECTED)?;
-    let splits = options.count("splits", 1, 1000)?.unwrap_or(1);
-    let first_seed = seed(host, options)?;
+    host.note_seed(OBJECT, seed);
     let mut pairs: Vec<[f64; 2]> = Vec::new();
     for split in 0..splits {
-        let pictures = light.halves(first_seed + split).map(|half| {
+        let pictures = light.halves(seed + split).map(|half| {
             let image: LuaImage =
-                options::handle(object, "\"image\"'s result", &take.call(half)?, "an image")?;
+                options::handle(OBJECT, "\"image\"'s result", &take.call(half)?, "an image")?;
             Ok::<_, mlua::Error>(image.luminances())
         });
         let [a, b] = pictures;
         pairs.extend(a?.into_iter().zip(b?).map(|(a, b)| [a, b]));
     }
     let error = noise::relative_error(pairs);
-    error.ok_or_else(|| Error::inconsistent(object, "the pictures are black").into())
+    error.ok_or_else(|| Error::inconsistent(OBJECT, "the pictures are black").into())
 }
 
-/// What start points lie on, in the set's own coordinates.
-fn surface_table(lua: &Lua, fit: SurfaceFit, is_source: bool) -> mlua::Result<Table> {
-    let table = lua.create_table()?;
-    let (kind, center) = match fit.surface {
-        FittedSurface::Point { at } => ("point", at),
-        FittedSurface::Sphere { center, radius_mm } => {
-            table.set("radius", radius_mm)?;
-            ("sphere", center)
-        }
-        FittedSurface::Cylinder { through, axis, radius_mm, length_mm } => {
-            table.set("radius", radius_mm)?;
-            table.set("length", length_mm)?;
-            table.set("axis", axis.to_array())?;
-            ("cylinder", through)
-        }
-        FittedSurface::Plane { through, normal, radius_mm } => {
-            table.set("radius", radius_mm)?;
-            table.set("normal", normal.to_array())?;
-            ("plane", through)
-        }
-    };
-    table.set("kind", kind)?;
-    table.set("center", center.to_array())?;
-    table.set("rms", fit.rms_mm)?;
-    table.set("share", fit.share)?;
-    table.set("is_source", is_source)?;
-    Ok(table)
-}
-
-/// Each ray as `{position =, direction =, flux =}`, in the scene's place, mm and lm.
-fn rays(lua: &Lua, rays: &RaySet) -> mlua::Result<Vec<Table>> {
-    let lm_per_flux = rays.lm_per_flux();
-    let ray = |sample: &RaySample| {
-        let table = lua.create_table()?;
-        table.set("position", rays.world_origin(sample).to_array())?;
-        table.set("direction", rays.world_direction(sample).to_array())?;
-        table.set("flux", f64::from(sample.flux) * lm_per_flux)?;
-        Ok(table)
-    };
-    rays.samples.iter().map(ray).collect()
+options! {
+    struct RaysetHalvesOptions {
+        seed: u64 = SEED,
+    }
 }
 
 impl UserData for LuaLight {
     fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
         fields.add_field_method_get("count", |_, this| Ok(this.rays.samples.len()));
         fields.add_field_method_get("flux", |_, this| Ok(this.rays.flux_lm));
-        fields.add_field_method_get("start_surface", |lua, this| {
+        fields.add_field_method_get("start_surface", |_, this| {
             let starts = Starts::of(&this.rays.samples);
-            let surface = |fit: SurfaceFit| surface_table(lua, fit, starts.inner_source.is_none());
-            starts.surface.map(surface).transpose()
+            let is_source = starts.inner_source.is_none();
+            Ok(Cell::from(starts.surface.map(|fit| START_SURFACE.record(&(fit, is_source)))))
         });
         fields.add_field_method_get("spectrum", |_, this| {
             Ok(LuaSpectrum(Arc::clone(&this.spectrum)))
@@ -283,7 +308,7 @@ impl UserData for LuaLight {
 
     fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
         fault::method(methods, "transform", |_, this: &Self, a| {
-            placed(this.clone(), Arguments::new("rayset:transform", a, 1)?.value())
+            placed(this.clone(), &Arguments::new("rayset:transform", a, 1)?.record()?)
         });
         fault::method(methods, "save", |lua, this: &Self, a| {
             let path = Arguments::new("rayset:save", a, 1)?.text("path")?;
@@ -291,22 +316,29 @@ impl UserData for LuaLight {
             let format = SaveFormat::of(&target)?;
             Ok(rayfile::save(&target, &this.rays, &this.spectrum, format)?)
         });
-        fault::method(methods, "rays", |lua, this: &Self, _| rays(lua, &this.rays));
+        fault::method(methods, "rays", |_, this: &Self, _| {
+            let lm_per_flux = this.rays.lm_per_flux();
+            let ray = |sample: &RaySample| WorldRay {
+                position: this.rays.world_origin(sample),
+                direction: this.rays.world_direction(sample),
+                flux_lm: f64::from(sample.flux) * lm_per_flux,
+            };
+            let rays = this.rays.samples.iter();
+            Ok(rays.map(|sample| RAY.record(&ray(sample))).collect::<Vec<_>>())
+        });
         fault::method(methods, "starting_at", |_, this: &Self, a| {
-            let surface = start_surface(Arguments::new("rayset:starting_at", a, 1)?.value())?;
+            let start = Arguments::new("rayset:starting_at", a, 1)?.value();
+            let surface = StartOptions::read(START_OBJECT, start)?.surface()?;
             Ok(Self { rays: this.rays.clone().starting_at(&surface)?, ..this.clone() })
         });
         fault::method(methods, "halves", |lua, this: &Self, a| {
-            let options = Arguments::new("rayset:halves", a, 1)?.options(&["seed"])?;
-            let [first, second] = this.halves(seed(&host::of(lua)?, &options)?);
+            let RaysetHalvesOptions { seed } = Arguments::new("rayset:halves", a, 1)?.record()?;
+            host::of(lua)?.note_seed("rayset:halves", seed);
+            let [first, second] = this.halves(seed);
             Ok((first, second))
         });
         fault::method(methods, "noise", |lua, this: &Self, a| {
-            noise(
-                &host::of(lua)?,
-                this,
-                &Arguments::new("rayset:noise", a, 1)?.options(&["image", "seed", "splits"])?,
-            )
+            noise(&host::of(lua)?, this, Arguments::new("rayset:noise", a, 1)?)
         });
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
             let (count, flux_lm) = (this.rays.samples.len(), this.rays.flux_lm);

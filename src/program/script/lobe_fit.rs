@@ -10,6 +10,7 @@ use super::spectrum::COLUMN;
 use super::{fault, host};
 use crate::material::{self, LobeCount, LobeFit, LobeSpace, LobeTable, fit_lobe};
 use crate::program::figure::{Axis, Chart, Panel, Series};
+use crate::program::results::{LOBE, LOBE_FIT};
 
 options! {
     struct LobeFitOptions {
@@ -67,27 +68,8 @@ fn points(lua: &Lua, given: &LobeFitOptions) -> mlua::Result<Vec<(f64, f64)>> {
 
 /// The first lobe's figures at the top, all of them under `lobes`, `eval` of the sum, and `plot`.
 fn result(lua: &Lua, fit: LobeFit, plot: LuaFigure) -> mlua::Result<Table> {
-    let mut lobes = Vec::new();
-    for lobe in &fit.lobes {
-        let row = lua.create_table()?;
-        row.set("n", lobe.n)?;
-        row.set("n_error", lobe.n_error)?;
-        row.set("amplitude", lobe.amplitude)?;
-        row.set("amplitude_error", lobe.amplitude_error)?;
-        lobes.push(row);
-    }
-    let table = lua.create_table()?;
-    for (first, key) in lobes
-        .iter()
-        .take(1)
-        .flat_map(|lobe| ["n", "n_error", "amplitude", "amplitude_error"].map(|key| (lobe, key)))
-    {
-        table.set(key, first.get::<f64>(key)?)?;
-    }
-    table.set("lobes", lobes)?;
-    table.set("rms", fit.rms)?;
-    table.set("rms_decades", fit.rms_decades)?;
-    table.set("points", fit.points)?;
+    let first = fit.lobes.iter().take(1).flat_map(|lobe| LOBE.cells(lobe));
+    let table = lua.create_table_from(first.chain(LOBE_FIT.cells(&fit)))?;
     table.set("plot", plot)?;
     let eval = fault::function(lua, move |_, a| {
         let angles = Range::between(-90.0, 90.0, "degrees");

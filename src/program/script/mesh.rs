@@ -10,7 +10,7 @@ use super::kinds::{
     vectors,
 };
 use super::options::{self, Arguments, Range};
-use super::record::{Record, options};
+use super::record::options;
 use super::{fault, host};
 use crate::error::Error;
 use crate::geometry::import::{self, Interpolation, MeshFile, Reading, Selection};
@@ -271,11 +271,6 @@ options! {
     }
 }
 
-/// Where a table puts a mesh or rays.
-pub(super) fn placement(object: &str, value: Value) -> mlua::Result<Placement> {
-    Transform::read(object, value)?.placement(object)
-}
-
 impl Transform {
     pub(super) fn placement(&self, object: &str) -> mlua::Result<Placement> {
         let rotation = match &self.rotate {
@@ -333,8 +328,8 @@ impl UserData for LuaMesh {
 
     fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
         fault::method(methods, "transform", |_, this: &Self, a| {
-            let value = Arguments::new("mesh:transform", a, 1)?.value();
-            let placement = placement("mesh:transform", value)?;
+            let transform: Transform = Arguments::new("mesh:transform", a, 1)?.record()?;
+            let placement = transform.placement("mesh:transform")?;
             Ok(this.with(this.0.transformed(&placement)))
         });
         fault::method(methods, "save", |lua, this: &Self, a| {

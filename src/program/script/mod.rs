@@ -4,6 +4,7 @@
 //! back an immutable handle. They are the only place that knows Lua.
 
 mod annotations;
+mod cell;
 mod fault;
 mod host;
 mod kinds;
@@ -23,6 +24,7 @@ mod grid_check;
 mod image;
 mod light;
 mod lobe_fit;
+mod look;
 mod material;
 mod mesh;
 mod paths;

@@ -1,4 +1,4 @@
-//! Reads option tables: known keys, types, ranges.
+//! Reads the values of scripts: types and ranges, with messages that name object and key.
 
 use std::fmt;
 use std::sync::Arc;
@@ -121,151 +121,8 @@ impl Options {
         Ok(!self.value(key)?.is_nil())
     }
 
-    fn missing(&self, key: &str, expected: &str) -> mlua::Error {
-        Error::MissingKey {
-            object: self.object.clone(),
-            key: key.to_owned(),
-            expected: format!("expected {expected}"),
-        }
-        .into()
-    }
-
     fn quoted(key: &str) -> String {
         format!("\"{key}\"")
-    }
-
-    pub fn number(&self, key: &str, range: Range) -> mlua::Result<Option<f64>> {
-        match self.value(key)? {
-            Value::Nil => Ok(None),
-            value => number(&self.object, &Self::quoted(key), &value, range).map(Some),
-        }
-    }
-
-    pub fn number_or(&self, key: &str, range: Range, default: f64) -> mlua::Result<f64> {
-        Ok(self.number(key, range)?.unwrap_or(default))
-    }
-
-    pub fn required_number(&self, key: &str, range: Range) -> mlua::Result<f64> {
-        self.number(key, range)?.ok_or_else(|| self.missing(key, &format!("a number, {range}")))
-    }
-
-    /// A whole number.
-    pub fn count(&self, key: &str, min: u64, max: u64) -> mlua::Result<Option<u64>> {
-        match self.value(key)? {
-            Value::Nil => Ok(None),
-            value => count(&self.object, &Self::quoted(key), &value, min, max).map(Some),
-        }
-    }
-
-    pub fn flag(&self, key: &str, default: bool) -> mlua::Result<bool> {
-        match self.value(key)? {
-            Value::Nil => Ok(default),
-            Value::Boolean(flag) => Ok(flag),
-            other => {
-                Err(wrong_type(&self.object, &Self::quoted(key), &other, "true or false").into())
-            }
-        }
-    }
-
-    pub fn text(&self, key: &str) -> mlua::Result<Option<String>> {
-        match self.value(key)? {
-            Value::Nil => Ok(None),
-            value => text(&self.object, &Self::quoted(key), &value).map(Some),
-        }
-    }
-
-    pub fn required_text(&self, key: &str, expected: &str) -> mlua::Result<String> {
-        self.text(key)?.ok_or_else(|| self.missing(key, expected))
-    }
-
-    /// One of a fixed set of words.
-    pub fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> mlua::Result<Option<T>> {
-        let Some(word) = self.text(key)? else {
-            return Ok(None);
-        };
-        choice(&self.object, &Self::quoted(key), &word, choices).map(Some)
-    }
-
-    pub fn vector(&self, key: &str) -> mlua::Result<Option<DVec3>> {
-        match self.value(key)? {
-            Value::Nil => Ok(None),
-            value => vector(&self.object, &Self::quoted(key), &value).map(Some),
-        }
-    }
-
-    /// A spectrum, or a number for a constant one.
-    pub fn spectrum(&self, key: &str) -> mlua::Result<Option<Spectrum>> {
-        match self.value(key)? {
-            Value::Nil => Ok(None),
-            value => spectrum(&self.object, &Self::quoted(key), &value).map(Some),
-        }
-    }
-
-    pub fn handle<T: UserData + Clone + 'static>(
-        &self,
-        key: &str,
-        expected: &str,
-    ) -> mlua::Result<Option<T>> {
-        match self.value(key)? {
-            Value::Nil => Ok(None),
-            value => handle(&self.object, &Self::quoted(key), &value, expected).map(Some),
-        }
-    }
-
-    pub fn required_handle<T: UserData + Clone + 'static>(
-        &self,
-        key: &str,
-        expected: &str,
-    ) -> mlua::Result<T> {
-        self.handle(key, expected)?.ok_or_else(|| self.missing(key, expected))
-    }
-
-    /// The entries of a list, as values; `None` where the script gives none.
-    pub fn list(&self, key: &str, expected: &str) -> mlua::Result<Option<Vec<Value>>> {
-        match self.value(key)? {
-            Value::Nil => Ok(None),
-            value => list(&self.object, &Self::quoted(key), &value, expected).map(Some),
-        }
-    }
-
-    pub fn required_list(&self, key: &str, expected: &str) -> mlua::Result<Vec<Value>> {
-        self.list(key, expected)?.ok_or_else(|| self.missing(key, expected))
-    }
-
-    /// The entries of a list, as `entry` reads each and what messages call it.
-    pub fn list_of<T>(
-        &self,
-        key: &str,
-        expected: &str,
-        entry: impl Fn(&str, &Value) -> mlua::Result<T>,
-    ) -> mlua::Result<Option<Vec<T>>> {
-        let what = Self::quoted(key);
-        let entry = |number, value: &Value| entry(&format!("{what} entry {number}"), value);
-        match self.value(key)? {
-            Value::Nil => Ok(None),
-            value => each(&self.object, &what, &value, expected, entry).map(Some),
-        }
-    }
-
-    /// A list of `{x, y, z}`.
-    pub fn vectors(&self, key: &str) -> mlua::Result<Option<Vec<DVec3>>> {
-        self.list_of(key, "a list of {x, y, z}", |what, value| vector(&self.object, what, value))
-    }
-
-    pub fn required_vectors(&self, key: &str) -> mlua::Result<Vec<DVec3>> {
-        self.vectors(key)?.ok_or_else(|| self.missing(key, "a list of {x, y, z}"))
-    }
-
-    pub fn function(&self, key: &str) -> mlua::Result<Option<mlua::Function>> {
-        match self.value(key)? {
-            Value::Nil => Ok(None),
-            Value::Function(function) => Ok(Some(function)),
-            other => Err(wrong_type(&self.object, &Self::quoted(key), &other, "a function").into()),
-        }
-    }
-
-    pub fn required_function(&self, key: &str, expected: &str) -> mlua::Result<mlua::Function> {
-        self.function(key)?.ok_or_else(|| self.missing(key, expected))
     }
 }
 
@@ -312,6 +169,11 @@ pub fn number(object: &str, what: &str, value: &Value, range: Range) -> mlua::Re
         Value::Number(n) => *n,
         other => return Err(wrong_type(object, what, other, "a number").into()),
     };
+    in_range(object, what, number, range)
+}
+
+/// A number that has to be in a range.
+pub(super) fn in_range(object: &str, what: &str, number: f64, range: Range) -> mlua::Result<f64> {
     if range.contains(number) {
         return Ok(number);
     }
@@ -465,13 +327,19 @@ impl Arguments {
         number(self.object, what, &value, range)
     }
 
+    /// One of our immutable handles.
+    pub(super) fn handle<T: UserData + Clone + 'static>(
+        &mut self,
+        what: &str,
+        expected: &str,
+    ) -> mlua::Result<T> {
+        let value = self.value();
+        handle(self.object, what, &value, expected)
+    }
+
     pub fn text(&mut self, what: &str) -> mlua::Result<String> {
         let value = self.value();
         text(self.object, what, &value)
-    }
-
-    pub fn options(&mut self, known: &[&str]) -> mlua::Result<Options> {
-        Options::new(self.object, self.value(), known)
     }
 
     /// A table of options, as its record reads it.

@@ -4,15 +4,18 @@ use std::sync::Arc;
 
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods};
 
-use super::options::{self, Arguments, Options, Range};
-use super::quality::{ASKED_KEYS, asked, warn_of_target};
+use super::kinds::{Handle, Kind, List, Naming, Number, Text, Vector};
+use super::options::{Arguments, Range};
+use super::quality::{QUALITY, warn_of_target};
+use super::record::options;
 use super::scene::LuaScene;
-use super::view::MAX_SIDE;
+use super::view::{DISTANCE, FOV, pixels};
 use super::{fault, grid_check, host, image};
 use crate::error::Error;
 use crate::geometry::DVec3;
 use crate::output;
 use crate::program::intensity::{self, Direction, Grid};
+use crate::render::{Asked, Quality};
 use crate::view::View;
 
 /// Handle of a measured grid.
@@ -20,8 +23,30 @@ use crate::view::View;
 pub struct LuaGrid(pub Arc<Grid>);
 
 const NAMES: [&str; 6] = ["at", "check", "flux", "h", "save", "v"];
-const KEYS: [&str; 9] =
-    ["distance", "fov", "h", "height", "quality", "scene", "target", "v", "width"];
+
+options! {
+    struct GridOptions {
+        /// with photometry = "absolute"
+        scene: LuaScene = Handle::new("Scene", "a scene"),
+        /// to the right, ascending
+        h: Vec<f64> = angles(360.0).or(H_DEG.to_vec()),
+        /// up, ascending
+        v: Vec<f64> = angles(90.0).or(V_DEG.to_vec()),
+        distance: f64 = DISTANCE,
+        target: DVec3 = Vector("mm").or(DVec3::ZERO),
+        /// the whole lamp has to fit
+        fov: f64 = FOV,
+        width: usize = pixels(320),
+        height: usize = pixels(240),
+        quality: Asked = QUALITY.or(Asked::Quality(Quality::default())),
+    }
+}
+
+/// Angles up to `end` on both sides.
+fn angles(end: f64) -> List<Number> {
+    let entry = Number(Range::new(-end, end, "degrees"));
+    List { entry, expected: "a list of angles in degrees", naming: Naming::Key }
+}
 
 /// Where UN R148 has its points.
 const H_DEG: [f64; 7] = [-20.0, -10.0, -5.0, 0.0, 5.0, 10.0, 20.0];
@@ -38,54 +63,47 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
 }
 
 fn grid(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaGrid> {
-    let options = arguments.options(&KEYS)?;
+    let given: GridOptions = arguments.record()?;
     let host = host::of(lua)?;
-    let scene: LuaScene = options.required_handle("scene", "a scene")?;
-    let quality_options =
-        Options::new("photometry.grid: quality", options.value("quality")?, &ASKED_KEYS)?;
-    let asked = asked(quality_options)?;
-    let h_deg = angles(&options, "h", Range::new(-360.0, 360.0, "degrees"), &H_DEG)?;
-    let v_deg = angles(&options, "v", Range::new(-90.0, 90.0, "degrees"), &V_DEG)?;
-    let model = view(&options)?;
-    let prepared = scene.prepared(&host)?;
-    let progress = host.progress(model.pixels() * h_deg.len() * v_deg.len());
+    let prepared = given.scene.prepared(&host)?;
+    let directions = given.h.len() * given.v.len();
+    let progress = host.progress(given.width * given.height * directions);
     let measure = |direction: Direction| -> crate::Result<_> {
-        let Direction { h_deg, v_deg } = direction;
-        let view = View { azimuth_deg: h_deg, elevation_deg: v_deg, ..model };
-        let (rendered, stats) = asked.render(&prepared, &view, &progress)?;
+        let view = given.view(direction);
+        let (rendered, stats) = given.quality.render(&prepared, &view, &progress)?;
         warn_of_target(&host, &stats);
         image::warn_of_cut_off(&host, &rendered, &view);
         intensity::intensity(&rendered, &view)
     };
-    Ok(LuaGrid(Arc::new(Grid::sweep(h_deg, v_deg, scene.flux_lm(), measure)?)))
+    let flux_lm = given.scene.flux_lm();
+    Ok(LuaGrid(Arc::new(Grid::sweep(given.h.clone(), given.v.clone(), flux_lm, measure)?)))
 }
 
-/// The view toward 0°, 0°.
-fn view(options: &Options) -> mlua::Result<View> {
-    Ok(View {
-        azimuth_deg: 0.0,
-        elevation_deg: 0.0,
-        distance_mm: options.number_or("distance", Range::above_zero("mm"), 3000.0)?,
-        target: options.vector("target")?.unwrap_or(DVec3::ZERO),
-        fov_deg: options.number_or("fov", Range::between(0.0, 180.0, "degrees"), 6.0)?,
-        width: options.count("width", 1, MAX_SIDE)?.unwrap_or(320) as usize,
-        height: options.count("height", 1, MAX_SIDE)?.unwrap_or(240) as usize,
-    })
+impl GridOptions {
+    fn view(&self, Direction { h_deg, v_deg }: Direction) -> View {
+        View {
+            azimuth_deg: h_deg,
+            elevation_deg: v_deg,
+            distance_mm: self.distance,
+            target: self.target,
+            fov_deg: self.fov,
+            width: self.width,
+            height: self.height,
+        }
+    }
 }
 
-fn angles(options: &Options, key: &str, range: Range, default: &[f64]) -> mlua::Result<Vec<f64>> {
-    let Some(list) = options.list(key, "a list of angles in degrees")? else {
-        return Ok(default.to_vec());
-    };
-    let what = format!("\"{key}\"");
-    list.iter().map(|value| options::number(options.object(), &what, value, range)).collect()
+options! {
+    struct GridSaveOptions {
+        /// of the lamp
+        name: String = Text("a name").or("lamp".to_owned()),
+    }
 }
 
 impl LuaGrid {
     fn save(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<()> {
         let path = arguments.text("path")?;
-        let options = arguments.options(&["name"])?;
-        let name = options.text("name")?.unwrap_or_else(|| "lamp".to_owned());
+        let GridSaveOptions { name } = arguments.record()?;
         let target = host::of(lua)?.output(&path)?;
         match target.extension().and_then(|e| e.to_str()) {
             Some("csv") => {

@@ -3,28 +3,76 @@
 use mlua::Value;
 
 use super::host::Host;
+use super::kinds::{Count, Custom, Kind, Number, Or, nested};
 use super::options::{self, Options, Range};
-use super::spectrum::grid_from_step;
+use super::record::{Record, options};
+use super::spectrum::STEP;
 use crate::error::Error;
 use crate::render::{Asked, Quality, RenderStats, Samples};
-
-pub(super) const ASKED_KEYS: [&str; 6] =
-    ["light_error", "max_depth", "min_throughput", "samples", "target_error", "wavelength_step"];
+use crate::shading::TraceLimits;
+use crate::spectrum::WavelengthGrid;
 
 const MAX_SAMPLES_A_PIXEL: u64 = 1_000_000;
+
+options! {
+    struct QualityOptions {
+        /// of a pixel; 1 is its center
+        samples: Samples = SAMPLES.or(Quality::default().samples),
+        /// instead of all others: relative rms error of luminance over lit pixels
+        target_error: Option<f64> = Number(Range::between(0.0, 1.0, "")).optional(""),
+        /// bound on the relative error of the sum over light samples; 0 is the exact sum
+        light_error: f64 = light_error(),
+        ..trace: TraceOptions,
+    }
+}
+
+options! {
+    /// How far rays are followed.
+    struct TraceOptions {
+        max_depth: u32 = Count::new(0, 1000).or(Quality::default().limits.max_depth),
+        min_throughput: f64 =
+            Number(Range::RATIO).or(Quality::default().limits.min_throughput),
+        wavelength_step: WavelengthGrid = STEP.or(Quality::default().grid),
+    }
+}
+
+options! {
+    struct AdaptiveSamples {
+        min: u32 = Count::new(2, MAX_SAMPLES_A_PIXEL).or(4),
+        /// not below min
+        max: Option<u32> = Count::new(2, MAX_SAMPLES_A_PIXEL).optional("256, or min if that is more"),
+        /// relative standard error of a pixel's luminance
+        error: f64 = Number(Range::above_zero("")).or(0.01),
+    }
+}
+
+/// Of the sum over light samples.
+pub(super) fn light_error() -> Or<Number> {
+    Number(Range::RATIO).or(Quality::default().limits.light_error)
+}
+
+/// The options of a quality, in an option.
+pub(super) const QUALITY: Custom<Asked> = Custom {
+    lua_type: "QualityOptions",
+    allowed: "",
+    read: |object, what, value| asked(&nested(object, what), value.clone()),
+    shown: |_| String::new(),
+};
 
 /// `target_error`, or the settings that it would choose.
 ///
 /// Errors: both; keys and ranges.
-pub(super) fn asked(options: Options) -> mlua::Result<Asked> {
-    let target = options.number("target_error", Range::between(0.0, 1.0, ""))?;
-    let Some(target) = target else {
-        return quality(options).map(Asked::Quality);
+pub(super) fn asked(object: &str, value: Value) -> mlua::Result<Asked> {
+    let options = Options::new(object, value, &QualityOptions::keys())?;
+    let given = QualityOptions::from_options(&options)?;
+    let Some(target) = given.target_error else {
+        let quality = given.trace.quality(given.light_error);
+        return Ok(Asked::Quality(Quality { samples: given.samples, ..quality }));
     };
-    for key in ASKED_KEYS {
+    for key in QualityOptions::keys() {
         if key != "target_error" && options.has(key)? {
             let problem = format!("\"target_error\" chooses \"{key}\": give one of the two");
-            return Err(Error::inconsistent(options.object(), problem).into());
+            return Err(Error::inconsistent(object, problem).into());
         }
     }
     Ok(Asked::TargetError(target))
@@ -36,40 +84,34 @@ pub(super) fn warn_of_target(host: &Host, stats: &RenderStats) {
     }
 }
 
-/// Errors: keys and ranges of the quality options.
-pub(super) fn quality(options: Options) -> mlua::Result<Quality> {
-    let mut quality = Quality::default();
-    let limits = &mut quality.limits;
-    if let Some(depth) = options.count("max_depth", 0, 1000)? {
-        limits.max_depth = depth as u32;
+impl TraceOptions {
+    /// With the samples of the default.
+    pub(super) fn quality(&self, light_error: f64) -> Quality {
+        let Self { max_depth, min_throughput, wavelength_step: grid } = *self;
+        let limits = TraceLimits { max_depth, min_throughput, light_error };
+        Quality { limits, grid, ..Quality::default() }
     }
-    limits.min_throughput =
-        options.number_or("min_throughput", Range::RATIO, limits.min_throughput)?;
-    limits.light_error = options.number_or("light_error", Range::RATIO, limits.light_error)?;
-    if options.has("wavelength_step")? {
-        let value = options.value("wavelength_step")?;
-        quality.grid = grid_from_step(options.object(), "\"wavelength_step\"", &value)?;
-    }
-    quality.samples = samples(&options, quality.samples)?;
-    Ok(quality)
 }
 
+const SAMPLES: Custom<Samples> = Custom {
+    lua_type: "integer|AdaptiveSamples",
+    allowed: "1 to 1000000",
+    read: samples,
+    shown: |samples| match samples {
+        Samples::Fixed(count) => count.to_string(),
+        Samples::Adaptive { .. } | Samples::Lit { .. } => String::new(),
+    },
+};
+
 /// A count, or `{min =, max =, error =}`.
-fn samples(options: &Options, default: Samples) -> mlua::Result<Samples> {
-    let object = format!("{}: samples", options.object());
-    match options.value("samples")? {
-        Value::Nil => Ok(default),
-        table @ Value::Table(_) => {
-            let options = Options::new(&object, table, &["error", "max", "min"])?;
-            let min = options.count("min", 2, MAX_SAMPLES_A_PIXEL)?.unwrap_or(4);
-            let max = options.count("max", min, MAX_SAMPLES_A_PIXEL)?.unwrap_or(256.max(min));
-            let error = options.number_or("error", Range::above_zero(""), 0.01)?;
-            Ok(Samples::Adaptive { min: min as u32, max: max as u32, error })
-        }
-        value => {
-            let count =
-                options::count(options.object(), "\"samples\"", &value, 1, MAX_SAMPLES_A_PIXEL)?;
-            Ok(Samples::Fixed(count as u32))
-        }
+fn samples(object: &str, what: &str, value: &Value) -> mlua::Result<Samples> {
+    if !value.is_table() {
+        let count = options::count(object, what, value, 1, MAX_SAMPLES_A_PIXEL)?;
+        return Ok(Samples::Fixed(count as u32));
     }
+    let object = nested(object, what);
+    let AdaptiveSamples { min, max, error } = AdaptiveSamples::read(&object, value.clone())?;
+    let max = f64::from(max.unwrap_or(256.max(min)));
+    let max = options::whole(&object, "\"max\"", max, min.into(), MAX_SAMPLES_A_PIXEL)? as u32;
+    Ok(Samples::Adaptive { min, max, error })
 }

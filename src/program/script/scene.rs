@@ -6,18 +6,20 @@ use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
 
 use super::host::Host;
 use super::image::LuaImage;
-use super::kinds::{Any, Choice, Flag, Handle, Kind, List, Naming, SpectrumOrNumber};
+use super::kinds::{Choice, Count, Flag, Handle, Kind, List, Naming, SpectrumOrNumber, any};
 use super::light::LuaLight;
 use super::material::LuaMaterial;
 use super::mesh::LuaMesh;
-use super::options::{self, Arguments};
-use super::quality::{ASKED_KEYS, asked, quality, warn_of_target};
+use super::options::Arguments;
+use super::quality::{TraceOptions, asked, light_error, warn_of_target};
 use super::record::{Record, options};
 use super::view::LuaView;
 use super::{fault, host, paths};
 use crate::color::Photometry;
 use crate::error::Error;
 use crate::material::Material;
+use crate::program::fields::Cell;
+use crate::program::results::LIGHT_CHECK;
 use crate::program::stage::Stage;
 use crate::render;
 use crate::scene::{self, Light, MaterialId, Prepared, Scene, Shadows};
@@ -31,7 +33,7 @@ pub struct LuaScene(pub Arc<Stage>);
 options! {
     struct SceneOptions {
         objects: Vec<Value> = List {
-            entry: Any { lua_type: "Object", expected: "a table of options" },
+            entry: any("Object"),
             expected: "a list of {mesh =, material =}",
             naming: Naming::Key,
         },
@@ -114,9 +116,8 @@ impl LuaScene {
     }
 
     fn render(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaImage> {
-        let value = arguments.value();
-        let view: LuaView = options::handle("scene:render", "argument 1", &value, "a view")?;
-        let asked = asked(arguments.options(&ASKED_KEYS)?)?;
+        let view: LuaView = arguments.handle("argument 1", "a view")?;
+        let asked = asked("scene:render", arguments.value())?;
         let host = host::of(lua)?;
         let prepared = self.prepared(&host)?;
         warn_of_view(&host, &prepared, &view.0);
@@ -128,29 +129,27 @@ impl LuaScene {
     }
 }
 
+options! {
+    struct LightErrorOptions {
+        hits: usize = Count::new(1, 1_000_000).or(300),
+        light_error: f64 = light_error(),
+        ..trace: TraceOptions,
+    }
+}
+
 impl LuaScene {
     /// Relative errors of the light sums at some hits, and how much faster they are than exact ones.
-    fn check_light_error(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
-        const OBJECT: &str = "scene:check_light_error";
-        let value = arguments.value();
-        let view: LuaView = options::handle(OBJECT, "argument 1", &value, "a view")?;
-        let keys = ["hits", "light_error", "max_depth", "min_throughput", "wavelength_step"];
-        let options = arguments.options(&keys)?;
-        let hits = options.count("hits", 1, 1_000_000)?.unwrap_or(300) as usize;
-        let quality = quality(options)?;
+    fn check_light_error(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<Cell> {
+        let view: LuaView = arguments.handle("argument 1", "a view")?;
+        let LightErrorOptions { hits, light_error, trace } = arguments.record()?;
+        let quality = trace.quality(light_error);
         let prepared = self.prepared(&host::of(lua)?)?;
         let check = render::check_light_error(&prepared, &view.0, &quality, hits)?;
         let check = check.ok_or_else(|| {
-            Error::inconsistent(OBJECT, "no light arrives at what the view shows")
+            let problem = "no light arrives at what the view shows";
+            Error::inconsistent("scene:check_light_error", problem)
         })?;
-        let table = lua.create_table()?;
-        table.set("sums", check.sums)?;
-        table.set("median", check.median)?;
-        table.set("percentile_95", check.percentile_95)?;
-        table.set("largest", check.largest)?;
-        table.set("largest_of_estimate", check.largest_of_estimate)?;
-        table.set("speedup", check.speedup)?;
-        Ok(table)
+        Ok(LIGHT_CHECK.record(&check))
     }
 }
 
@@ -167,7 +166,7 @@ impl UserData for LuaScene {
             this.check_light_error(lua, Arguments::new("scene:check_light_error", a, 2)?)
         });
         fault::method(methods, "paths", |lua, this: &Self, a| {
-            paths::paths(lua, this, Arguments::new("scene:paths", a, 2)?)
+            paths::paths(this, lua, Arguments::new("scene:paths", a, 2)?)
         });
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
             let scene = &this.0.scene;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
-use super::kinds::{Count, Flag, Kind, Name, Or};
+use super::kinds::{Count, Custom, Flag, Kind, Name, Numbers, Or};
 use super::options::{self, Arguments, Range};
 use super::record::options;
 use super::{fault, host};
@@ -91,20 +91,21 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaSpectrum> {
 
 fn from_pairs(mut arguments: Arguments) -> mlua::Result<LuaSpectrum> {
     const OBJECT: &str = "spectrum.new";
-    let rows = options::list(OBJECT, "argument", &arguments.value(), "a list of {nm, value}")?;
-    let mut pairs = Vec::with_capacity(rows.len());
-    for (at, row) in (1..).zip(&rows) {
-        let what = format!("row {at}");
-        let cells = options::list(OBJECT, &what, row, "{nm, value}")?;
-        let [lambda_nm, value] = cells.as_slice() else {
-            let problem = format!("{what} has {} entries, expected {{nm, value}}", cells.len());
-            return Err(Error::inconsistent(OBJECT, problem).into());
-        };
-        let finite = |value: &Value| options::number(OBJECT, &what, value, Range::ANY);
-        pairs.push((finite(lambda_nm)?, finite(value)?));
-    }
+    let pair = Numbers { range: Range::ANY, expected: "{nm, value}" };
+    let rows = arguments.value();
+    let pairs = options::each(OBJECT, "argument", &rows, "a list of {nm, value}", |at, row| {
+        pair.read(OBJECT, &format!("row {at}"), row).map(|[lambda_nm, value]| (lambda_nm, value))
+    })?;
     Ok(new_handle(Spectrum::from_pairs(OBJECT, pairs)?))
 }
+
+/// Between the bands of a picture.
+pub(super) const STEP: Custom<WavelengthGrid> = Custom {
+    lua_type: "5|10|20",
+    allowed: "nm",
+    read: grid_from_step,
+    shown: |grid| grid.step_nm().to_string(),
+};
 
 /// 5, 10 or 20 nm.
 pub(super) fn grid_from_step(

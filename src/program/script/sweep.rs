@@ -9,55 +9,78 @@ use mlua::{Lua, Table, Value};
 use serde_json::json;
 
 use super::host::{self, Host};
-use super::image::{PNG_KEYS, look};
-use super::options::{self, Arguments, Options};
-use super::quality::{ASKED_KEYS, asked};
+use super::image::RegionOptions;
+use super::kinds::{Custom, Handle, Kind, Nested, Text, any, missing};
+use super::look::PngOptions;
+use super::options::{self, Arguments};
+use super::quality::QUALITY;
+use super::record::{Record, options};
 use super::scene::LuaScene;
 use super::view::LuaView;
 use super::views::Views;
 use super::{fault, image};
-use crate::error::Error;
 use crate::image::Region;
+use crate::program::fields::Cell;
+use crate::program::results::SWEPT;
 use crate::program::sweep::{self, Digest, FileDigest, Plan, Shot, Source};
+use crate::render::{Asked, Quality};
 
-const KEYS: [&str; 6] = ["output", "png", "quality", "regions", "scene", "views"];
+options! {
+    struct SweepOptions {
+        /// of all views that name none
+        scene: Option<LuaScene> = Handle::new("Scene", "a scene").optional(""),
+        /// a list; or a function that returns one view (and scene) after the other, or yields them
+        views: Value = any(
+            "(View|SweepView)[]|fun(index: integer): View|SweepView|nil, Scene|nil",
+        ).or(Value::Nil),
+        /// a folder below the output folder
+        output: String = Text("a folder below the output folder"),
+        quality: Asked = QUALITY.or(Asked::Quality(Quality::default())),
+        png: PngOptions = Nested::new(),
+        /// whose spectra and chromaticities manifest and page show
+        regions: Vec<(String, Region)> = REGIONS.or(Vec::new()),
+    }
+}
+
+options! {
+    struct SweepView {
+        view: Value = any("View").or(Value::Nil),
+        scene: Option<LuaScene> = Handle::new("Scene", "a scene").optional("the sweep's"),
+        /// of the view's files: letters, digits and _ - + .
+        name: Option<String> = Text("a name").optional("view_0001, …"),
+    }
+}
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     module.set("sweep", fault::function(lua, |lua, a| sweep(lua, Arguments::new("sweep", a, 1)?))?)
 }
 
-fn sweep(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
-    let options = arguments.options(&KEYS)?;
+fn sweep(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Cell> {
+    let given: SweepOptions = arguments.record()?;
     let host = host::of(lua)?;
-    let output = options.required_text("output", "a folder below the output folder")?;
-    let scene = options.handle::<LuaScene>("scene", "a scene")?;
-    let mut views = Views::new(options.value("views")?, scene)?;
-    let quality = Options::new("sweep: quality", options.value("quality")?, &ASKED_KEYS)?;
-    let png = Options::new("sweep: png", options.value("png")?, &PNG_KEYS)?;
+    let mut views = Views::new(given.views, given.scene)?;
     let shard = host.settings.shard;
     let ours = |index| shard.is_none_or(|shard| shard.has(index));
     let digests = RefCell::default();
     let plan = Plan {
-        asked: asked(quality)?,
-        look: look(&png)?,
-        regions: regions(options.value("regions")?)?,
+        asked: given.quality,
+        look: given.png.look()?,
+        regions: given.regions,
         shard,
         script: script_name(&host),
         source: &|| source(&host, &mut digests.borrow_mut()),
         progress: &host.progress(views.pixels_where(ours)),
         warn: &|warning| host.warn(warning),
     };
+    let output = given.output;
     let path = host.output_folder(&output)?;
     let count = views.count();
     let shots = (1..).map_while(|index| views.next(lua, index).transpose());
     let done = plan.run(&path, shots, count)?;
     image::warn_of_gamut(&host, &format!("{output}/*.png"), &done.gamut);
-    let table = lua.create_table()?;
-    table.set("folder", path.display().to_string())?;
-    table.set("views", done.rendered + done.kept)?;
-    table.set("rendered", done.rendered)?;
-    table.set("kept", done.kept)?;
-    Ok(table)
+    let mut report = vec![("folder", path.display().to_string().as_str().into())];
+    report.extend(SWEPT.cells(&done));
+    Ok(Cell::Record(report))
 }
 
 fn script_name(host: &Host) -> String {
@@ -84,23 +107,25 @@ pub(super) fn source(host: &Host, digests: &mut Digests) -> crate::Result<Source
     })
 }
 
+const REGIONS: Custom<Vec<(String, Region)>> = Custom {
+    lua_type: "table<string, RegionOptions>",
+    allowed: "",
+    read: regions,
+    shown: |_| "none".to_owned(),
+};
+
 /// `{ name = {x =, y =, width = 1, height = 1}, … }`.
-fn regions(value: Value) -> mlua::Result<Vec<(String, Region)>> {
-    const EXPECTED: &str = "a table of regions by name";
-    let table = match value {
-        Value::Nil => return Ok(Vec::new()),
-        Value::Table(table) => table,
-        other => {
-            return Err(options::wrong_type("sweep", "\"regions\"", &other, EXPECTED).into());
-        }
+fn regions(object: &str, what: &str, value: &Value) -> mlua::Result<Vec<(String, Region)>> {
+    let Value::Table(table) = value else {
+        let expected = "a table of regions by name";
+        return Err(options::wrong_type(object, what, value, expected).into());
     };
     let mut regions = BTreeMap::new();
     for pair in table.pairs::<Value, Value>() {
         let (name, value) = pair?;
         let name = options::text("sweep: regions", "name", &name)?;
-        let options =
-            Options::new(&format!("sweep: region \"{name}\""), value, &image::REGION_KEYS)?;
-        regions.insert(name, image::region(&options)?);
+        let given = RegionOptions::read(&format!("sweep: region \"{name}\""), value)?;
+        regions.insert(name, given.region());
     }
     Ok(regions.into_iter().collect())
 }
@@ -112,28 +137,21 @@ pub(super) fn shot(
     scene: &Value,
     default: Option<&LuaScene>,
 ) -> mlua::Result<Shot> {
+    const EXPECTED: &str = "a view, or {view =, scene =, name =}";
     let object = format!("sweep: view {index}");
-    let given = Options::new(
-        &object,
-        match view {
-            table @ Value::Table(_) => table.clone(),
-            _ => Value::Nil,
-        },
-        &["name", "scene", "view"],
-    )?;
-    let view = if view.is_table() { given.value("view")? } else { view.clone() };
-    let view: LuaView =
-        options::handle(&object, "entry", &view, "a view, or {view =, scene =, name =}")?;
+    let given = match view {
+        Value::Table(_) => SweepView::read(&object, view.clone())?,
+        view => SweepView { view: view.clone(), scene: None, name: None },
+    };
+    let view: LuaView = options::handle(&object, "entry", &given.view, EXPECTED)?;
     let scene = match scene {
-        Value::Nil => given.handle::<LuaScene>("scene", "a scene")?,
+        Value::Nil => given.scene,
         scene => Some(options::handle(&object, "scene", scene, "a scene")?),
     };
-    let scene = scene.or_else(|| default.cloned()).ok_or_else(|| Error::MissingKey {
-        object: "sweep".to_owned(),
-        key: "scene".to_owned(),
-        expected: format!("expected a scene for all views, or one for view {index}"),
+    let scene = scene.or_else(|| default.cloned()).ok_or_else(|| {
+        missing("sweep", "scene", &format!("a scene for all views, or one for view {index}"))
     })?;
-    let name = given.text("name")?.unwrap_or_else(|| format!("view_{index:04}"));
+    let name = given.name.unwrap_or_else(|| format!("view_{index:04}"));
     sweep::check_name(&object, &name)?;
     Ok(Shot { name, view: view.0, stage: Arc::clone(&scene.0) })
 }

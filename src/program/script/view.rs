@@ -2,11 +2,12 @@
 
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods};
 
-use super::fault;
 use super::kinds::{Count, Kind, Number, Or, Vector};
 use super::options::{Arguments, Range};
 use super::record::{Record, options};
+use super::{cell, fault};
 use crate::geometry::DVec3;
+use crate::program::results::VIEW;
 use crate::view::View;
 
 /// Handle of a view.
@@ -63,13 +64,7 @@ fn view(mut arguments: Arguments) -> mlua::Result<LuaView> {
 
 impl UserData for LuaView {
     fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
-        fields.add_field_method_get("azimuth", |_, this| Ok(this.0.azimuth_deg));
-        fields.add_field_method_get("elevation", |_, this| Ok(this.0.elevation_deg));
-        fields.add_field_method_get("distance", |_, this| Ok(this.0.distance_mm));
-        fields.add_field_method_get("target", |_, this| Ok(this.0.target.to_array()));
-        fields.add_field_method_get("fov", |_, this| Ok(this.0.fov_deg));
-        fields.add_field_method_get("width", |_, this| Ok(this.0.width));
-        fields.add_field_method_get("height", |_, this| Ok(this.0.height));
+        cell::add_fields(fields, &VIEW, |this| &this.0);
     }
 
     fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {

@@ -12,7 +12,7 @@ use super::folder::Folder;
 use super::luminance::{LuminanceScale, luminance_raster};
 use super::manifest::{Entry, FileDigest, Source};
 use super::page::luminance_name;
-use super::record::{Reading, asked_record, display_record, stats_record, view_record};
+use super::record::{Reading, display_record};
 use super::shard::Shard;
 use super::{executable, program};
 use crate::display::{GamutReport, Look, Tone};
@@ -20,6 +20,7 @@ use crate::error::{Error, Result};
 use crate::image::{Region, SpectralImage};
 use crate::output;
 use crate::program::progress::Progress;
+use crate::program::results::{ASKED, READING, STATS, VIEW};
 use crate::program::stage::Stage;
 use crate::render::{Asked, RenderStats, Watch};
 use crate::scene::plausibility;
@@ -187,12 +188,12 @@ impl Plan<'_> {
     ) -> Result<Map<String, Value>> {
         let mut readings = Map::new();
         for (name, region) in &self.regions {
-            readings.insert(name.clone(), Reading::of(image, *region)?.record());
+            readings.insert(name.clone(), READING.record(&Reading::of(image, *region)?).to_json());
         }
         Ok(rows([
-            ("view", view_record(&shot.view)),
-            ("quality", asked_record(&self.asked)),
-            ("stats", stats_record(stats)),
+            ("view", VIEW.record(&shot.view).to_json()),
+            ("quality", ASKED.record(&self.asked).to_json()),
+            ("stats", STATS.record(stats).to_json()),
             ("scene", json!(shot.stage.fingerprint().as_str())),
             ("photometry", json!(format!("{:?}", image.photometry).to_lowercase())),
             ("regions", readings.into()),

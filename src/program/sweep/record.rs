@@ -2,94 +2,11 @@
 
 use serde_json::{Value, json};
 
-use crate::color::{Xyz, signal};
+use crate::color::Xyz;
 use crate::display::{Curve, Display, DisplayParameters, Toe};
 use crate::error::Result;
 use crate::image::{Region, SpectralImage};
-use crate::render::{Asked, Quality, RenderStats, Samples, TargetReport};
-use crate::shading::{TraceCounts, TraceLimits};
 use crate::spectrum::WavelengthGrid;
-use crate::view::View;
-
-pub fn view_record(view: &View) -> Value {
-    let View { azimuth_deg, elevation_deg, distance_mm, target, fov_deg, width, height } = view;
-    json!({
-        "azimuth": azimuth_deg,
-        "elevation": elevation_deg,
-        "distance": distance_mm,
-        "target": target.to_array(),
-        "fov": fov_deg,
-        "width": width,
-        "height": height,
-    })
-}
-
-pub fn asked_record(asked: &Asked) -> Value {
-    match asked {
-        Asked::Quality(quality) => quality_record(quality),
-        Asked::TargetError(target) => json!({ "target_error": target }),
-    }
-}
-
-fn quality_record(quality: &Quality) -> Value {
-    let Quality { samples, limits, grid } = quality;
-    let TraceLimits { max_depth, min_throughput, light_error } = limits;
-    let samples = match samples {
-        Samples::Fixed(count) => json!(count),
-        Samples::Adaptive { min, max, error } => json!({ "min": min, "max": max, "error": error }),
-        Samples::Lit { max, error } => json!({ "max": max, "lit_error": error }),
-    };
-    json!({
-        "samples": samples,
-        "max_depth": max_depth,
-        "min_throughput": min_throughput,
-        "light_error": light_error,
-        "wavelength_step": grid.step_nm(),
-    })
-}
-
-/// All but the seconds, which differ from run to run.
-pub fn stats_record(stats: &RenderStats) -> Value {
-    let TraceCounts {
-        camera_rays,
-        mirror_rays,
-        transmitted_rays,
-        shadow_rays,
-        light_sums,
-        light_nodes,
-        light_samples,
-    } = stats.counts;
-    let mut record = json!({
-        "camera_rays": camera_rays,
-        "mirror_rays": mirror_rays,
-        "transmitted_rays": transmitted_rays,
-        "shadow_rays": shadow_rays,
-        "light_sums": light_sums,
-        "light_nodes": light_nodes,
-        "light_samples": light_samples,
-        "light_error": stats.mean_light_error,
-        "largest_light_error": stats.largest_light_error,
-    });
-    if let Some(report) = &stats.target {
-        record["target"] = target_record(report);
-    }
-    record
-}
-
-fn target_record(report: &TargetReport) -> Value {
-    json!({
-        "error": report.error(),
-        "sampling_error": report.sampling_error,
-        "light_sum_error": report.light_sum_error,
-        "truncation_error": report.truncation_error,
-        "samples": report.mean_samples,
-        "most_samples": report.most_samples,
-        "max_depth": report.limits.max_depth,
-        "min_throughput": report.limits.min_throughput,
-        "light_error": report.limits.light_error,
-        "wavelength_step": report.grid.step_nm(),
-    })
-}
 
 /// The light of a region that the script names.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,22 +24,6 @@ impl Reading {
         let bands = image.mean_bands(region)?;
         let xyz = Xyz::from_bands(image.grid, &bands);
         Ok(Self { region, grid: image.grid, bands, xyz })
-    }
-
-    pub fn record(&self) -> Value {
-        let Region { x, y, width, height } = self.region;
-        let xy = self.xyz.chromaticity();
-        json!({
-            "x": x,
-            "y": y,
-            "width": width,
-            "height": height,
-            "luminance": self.xyz.y,
-            "chromaticity": xy,
-            "color": xy.and_then(signal::color_of).map(|color| color.name()),
-            "wavelength_step": self.grid.step_nm(),
-            "spectrum": self.bands,
-        })
     }
 }
 

@@ -1,0 +1,150 @@
+//! Results as data: one list of fields per record, which scripts, manifests and annotations read.
+//!
+//! To add a result, add its [`Field`] to the record's list in [`super::results`]: scripts have it,
+//! manifests too where they hold the record, and `MAKE_REF=1 cargo test --lib annotations` tells
+//! the Lua language server.
+
+use serde_json::{Map, json};
+
+use crate::color::Xyz;
+use crate::geometry::DVec3;
+
+/// A value that scripts and manifests can hold.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cell {
+    /// Left out of records.
+    Nothing,
+    Number(f64),
+    Count(u64),
+    Flag(bool),
+    Text(String),
+    List(Vec<Cell>),
+    Record(Vec<(&'static str, Cell)>),
+}
+
+impl Cell {
+    /// As manifests hold it.
+    pub fn to_json(&self) -> serde_json::Value {
+        match self {
+            Self::Nothing => serde_json::Value::Null,
+            Self::Number(number) => json!(number),
+            Self::Count(count) => json!(count),
+            Self::Flag(flag) => json!(flag),
+            Self::Text(text) => json!(text),
+            Self::List(list) => list.iter().map(Self::to_json).collect(),
+            Self::Record(fields) => {
+                let rows = fields.iter().map(|(name, cell)| ((*name).to_owned(), cell.to_json()));
+                rows.collect::<Map<_, _>>().into()
+            }
+        }
+    }
+}
+
+/// One field of a record of type `T`.
+pub struct Field<T> {
+    pub name: &'static str,
+    /// For the Lua language server.
+    pub lua_type: &'static str,
+    /// Without a full stop; may be empty where the name says it.
+    pub sentence: &'static str,
+    pub cell: fn(&T) -> Cell,
+}
+
+pub const fn field<T>(
+    name: &'static str,
+    lua_type: &'static str,
+    sentence: &'static str,
+    cell: fn(&T) -> Cell,
+) -> Field<T> {
+    Field { name, lua_type, sentence, cell }
+}
+
+/// The fields of a record, by the name of its class in the annotations.
+pub struct Fields<T: 'static> {
+    pub class: &'static str,
+    pub fields: &'static [Field<T>],
+}
+
+impl<T> Fields<T> {
+    /// All fields that hold something.
+    pub fn record(&self, value: &T) -> Cell {
+        Cell::Record(self.cells(value))
+    }
+
+    /// Names and values of the fields that hold something.
+    pub fn cells(&self, value: &T) -> Vec<(&'static str, Cell)> {
+        let cells = self.fields.iter().map(|field| (field.name, (field.cell)(value)));
+        cells.filter(|(_, cell)| *cell != Cell::Nothing).collect()
+    }
+
+    /// The records of several values.
+    pub fn list(&self, values: &[T]) -> Cell {
+        Cell::List(values.iter().map(|value| self.record(value)).collect())
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(number: f64) -> Self {
+        Self::Number(number)
+    }
+}
+
+impl From<u64> for Cell {
+    fn from(count: u64) -> Self {
+        Self::Count(count)
+    }
+}
+
+impl From<u32> for Cell {
+    fn from(count: u32) -> Self {
+        Self::Count(count.into())
+    }
+}
+
+impl From<usize> for Cell {
+    fn from(count: usize) -> Self {
+        Self::Count(count as u64)
+    }
+}
+
+impl From<bool> for Cell {
+    fn from(flag: bool) -> Self {
+        Self::Flag(flag)
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+impl<T: Into<Cell>> From<Option<T>> for Cell {
+    fn from(value: Option<T>) -> Self {
+        value.map_or(Self::Nothing, Into::into)
+    }
+}
+
+impl<T: Into<Cell>> From<Vec<T>> for Cell {
+    fn from(list: Vec<T>) -> Self {
+        Self::List(list.into_iter().map(Into::into).collect())
+    }
+}
+
+impl<T: Into<Cell>, const N: usize> From<[T; N]> for Cell {
+    fn from(list: [T; N]) -> Self {
+        Self::List(list.into_iter().map(Into::into).collect())
+    }
+}
+
+impl From<DVec3> for Cell {
+    fn from(vector: DVec3) -> Self {
+        vector.to_array().into()
+    }
+}
+
+impl From<Xyz> for Cell {
+    fn from(color: Xyz) -> Self {
+        <[f64; 3]>::from(color).into()
+    }
+}
