@@ -4,6 +4,7 @@ use super::{Quality, RenderStats, Watch, render, render_to_target};
 use crate::error::Result;
 use crate::image::SpectralImage;
 use crate::scene::Prepared;
+use crate::shading::TraceLimits;
 use crate::view::View;
 
 /// What a user asks of a picture: how it is made, or how good it is.
@@ -16,6 +17,14 @@ pub enum Asked {
 }
 
 impl Asked {
+    /// Where the trees of rays end; with a target error, where they do unless it asks for more.
+    pub fn limits(&self) -> TraceLimits {
+        match self {
+            Self::Quality(quality) => quality.limits,
+            Self::TargetError(_) => Quality::default().limits,
+        }
+    }
+
     /// Takes the picture; errors as [`render`].
     pub fn render(
         &self,

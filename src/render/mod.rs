@@ -1,9 +1,11 @@
 //! Tiles, threads, samples a pixel; no physics.
 //!
 //! [`render`] takes a picture as a [`Quality`] says, [`render_to_target`] chooses the quality for an
-//! error, and [`Asked`] is either. [`check_light_error`] and [`trace_paths`] look into a picture.
+//! error, and [`Asked`] is either. [`check_light_error`] and [`trace_paths`] look into a picture,
+//! [`why_black`] says what is wrong with one that has no light.
 
 mod asked;
+mod black;
 mod film;
 mod inspect;
 mod pattern;
@@ -20,6 +22,7 @@ use crate::shading::{TraceCounts, Tracer};
 use crate::view::View;
 
 pub use asked::Asked;
+pub use black::why_black;
 use film::{Film, PixelStats};
 pub use inspect::{check_light_error, trace_paths};
 pub use quality::{Quality, Samples};

@@ -46,7 +46,7 @@ impl Tracer<'_> {
         query.reflects || query.transmits
     }
 
-    fn hit_query(&self, surface: &SurfacePoint) -> HitQuery<'_> {
+    pub(super) fn hit_query(&self, surface: &SurfacePoint) -> HitQuery<'_> {
         let scene = &self.prepared.scene;
         let tables = &self.tables.materials[surface.material.0];
         HitQuery {

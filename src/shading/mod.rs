@@ -6,12 +6,14 @@
 //! throughput of all bands, so the scalar sum over light samples is done once per hit and not once
 //! per band.
 
+mod darkness;
 mod global;
 mod light_check;
 mod local;
 mod paths;
 mod walk;
 
+pub use darkness::Darkness;
 pub use light_check::LightCheck;
 pub use paths::{PathEnd, PathSegment};
 pub use walk::RayKind;

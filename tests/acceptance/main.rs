@@ -9,3 +9,4 @@ mod lens_colors;
 mod light_check;
 mod stage;
 mod target_error;
+mod why_black;

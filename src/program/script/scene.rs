@@ -124,6 +124,8 @@ impl LuaScene {
         let progress = host.progress(view.0.pixels());
         let (mut image, stats) = asked.render(&prepared, &view.0, &progress)?;
         warn_of_target(&host, &stats);
+        let reason = render::why_black(&image, &prepared, &view.0, asked.limits())?;
+        reason.into_iter().for_each(|reason| host.warn(reason));
         image.metadata.insert("script".to_owned(), host.script.display().to_string());
         Ok(LuaImage::new(image, stats, &prepared))
     }

@@ -22,7 +22,7 @@ use crate::output;
 use crate::program::progress::Progress;
 use crate::program::results::{ASKED, READING, STATS, VIEW};
 use crate::program::stage::Stage;
-use crate::render::{Asked, RenderStats, Watch};
+use crate::render::{Asked, RenderStats, Watch, why_black};
 use crate::scene::plausibility;
 use crate::view::View;
 
@@ -151,6 +151,8 @@ impl Plan<'_> {
         if let Some(report) = stats.target.filter(|report| !report.is_reached()) {
             (self.warn)(report.to_string());
         }
+        let reason = why_black(&image, &prepared, &shot.view, self.asked.limits())?;
+        reason.into_iter().for_each(self.warn);
         image.metadata.insert("script".to_owned(), self.script.clone());
         Ok((image, stats))
     }
