@@ -11,10 +11,10 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use lampyris::Error;
 use lampyris::display::{Display, Exposure, Look};
 use lampyris::program::develop::develop_files;
-use lampyris::program::info;
 use lampyris::program::progress::Verbosity;
 use lampyris::program::script::{self, ScriptFault, Settings};
 use lampyris::program::sweep::{self, Shard};
+use lampyris::program::{diff, info};
 
 /// Predicts what a lit lamp looks like and how bright it is, wavelength by wavelength.
 ///
@@ -97,6 +97,10 @@ enum Command {
         #[arg(long, value_name = "DIR")]
         into: Option<PathBuf>,
     },
+    /// Name every difference of two folders of sweeps or studies
+    ///
+    /// Exit status: 0 if there is none, 1 if there are some or the folders do not read.
+    Diff { a: PathBuf, b: PathBuf },
 }
 
 #[derive(Debug, Args)]
@@ -161,6 +165,7 @@ fn main() -> ExitCode {
             println!("{}: run it with: lampyris run {}", path.display(), path.display());
         })),
         Command::Verify { manifest, script } => verify(&manifest, script.as_deref()),
+        Command::Diff { a, b } => diff(&a, &b),
         Command::Merge { folders, into } => {
             let into = into.as_ref().unwrap_or(&folders[0]); // clap asks for one at least
             exit_code(sweep::merge(&folders, into).map(|merged| {
@@ -253,6 +258,16 @@ fn develop(files: &[PathBuf], look: &Look, out: Option<&std::path::Path>) -> Exi
         }
     }
     code
+}
+
+fn diff(a: &std::path::Path, b: &std::path::Path) -> ExitCode {
+    match diff::between(a, b) {
+        Ok(lines) => {
+            lines.iter().for_each(|line| println!("{line}"));
+            ExitCode::from(if lines.is_empty() { 0 } else { FAILED })
+        }
+        Err(error) => exit_code(Err(error)),
+    }
 }
 
 fn display_from_name(name: &str) -> Result<Display, String> {

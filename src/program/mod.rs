@@ -3,6 +3,7 @@
 //! The feature `program` (a default) adds it; the renderer knows nothing of it.
 
 pub mod develop;
+pub mod diff;
 pub mod fields;
 pub mod figure;
 pub mod info;

@@ -1,6 +1,7 @@
 //! The built program, as people and machines run it.
 
 mod bench;
+mod diff;
 mod language;
 mod manual;
 mod mistakes;
