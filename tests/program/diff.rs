@@ -59,11 +59,11 @@ fn changes_are_named_and_nothing_else() {
         (
             Some(("SEED", "2")),
             FLAT,
-            &["source.seeds[cylinder].seed: 1 → 2", "view view_0001: luminance"],
+            &["seeds[cylinder].seed: 1 → 2", "view view_0001: luminance"],
         ),
         (Some(("AZIMUTH", "30")), FLAT, &["views[view_0002].details.view.azimuth: 20.0 → 30.0"]),
         (Some(("SAMPLES", "4")), FLAT, &["views[view_0001].details.quality.samples: 1 → 4"]),
-        (None, "380,1\n780,2\n", &["source.inputs[lamp.csv].sha256: ", "spectra by"]),
+        (None, "380,1\n780,2\n", &["inputs[lamp.csv].sha256: ", "spectra by"]),
     ] {
         sweep(&bench, "b", change, spectrum);
         let lines = diff(&bench, "a/s", "b/s");
