@@ -56,11 +56,7 @@ fn changes_are_named_and_nothing_else() {
             FLAT,
             &["view view_0001: luminance differs by 2.000e-1"][..],
         ),
-        (
-            Some(("SEED", "2")),
-            FLAT,
-            &["seeds[cylinder].seed: 1 → 2", "view view_0001: luminance"],
-        ),
+        (Some(("SEED", "2")), FLAT, &["seeds[cylinder].seed: 1 → 2", "view view_0001: luminance"]),
         (Some(("AZIMUTH", "30")), FLAT, &["views[view_0002].details.view.azimuth: 20.0 → 30.0"]),
         (Some(("SAMPLES", "4")), FLAT, &["views[view_0001].details.quality.samples: 1 → 4"]),
         (None, "380,1\n780,2\n", &["inputs[lamp.csv].sha256: ", "spectra by"]),
