@@ -1,7 +1,7 @@
 //! Looks into a picture without taking it: the error of its light sums, and the rays of one place.
 
 use super::Quality;
-use super::pattern::sample_place;
+use super::pattern::Pattern;
 use crate::error::Result;
 use crate::scene::Prepared;
 use crate::shading::{LightCheck, PathSegment, Tracer};
@@ -21,8 +21,9 @@ pub fn check_light_error(
     let tables = prepared.tables(quality.grid)?;
     let tracer = Tracer { prepared, tables, limits: quality.limits };
     let camera = view.camera();
+    let pattern = Pattern::of_pixel(0, 0);
     let rays = (0..(hits * TRIES) as u32).map(|i| {
-        let [x, y] = sample_place(i);
+        let [x, y] = pattern.place(i);
         camera.ray(x * view.width as f64, y * view.height as f64)
     });
     Ok(tracer.check_light(rays, hits))

@@ -9,6 +9,7 @@ mod black;
 mod film;
 mod inspect;
 mod pattern;
+mod plan;
 mod quality;
 mod sampler;
 mod target;
@@ -35,6 +36,9 @@ pub trait Watch: Sync {
     fn pixels_done(&self, count: usize);
     /// Whether to stop: the render then ends with [`crate::error::Error::Interrupted`].
     fn is_cancelled(&self) -> bool;
+    /// Called with the time that the picture will still take, as far as can be told: only where its
+    /// samples follow from an error.
+    fn expects(&self, _seconds: f64) {}
 }
 
 /// Watches nothing.
@@ -95,6 +99,10 @@ pub fn render(
         tracer: Tracer { prepared, tables, limits: quality.limits },
         camera: view.camera(),
         width: view.width,
+        set_size: match quality.samples {
+            Samples::Fixed(count) => Some(count),
+            Samples::Adaptive { .. } | Samples::Lit { .. } => None,
+        },
         watch,
     };
     let counts = sampler.take(&mut film, quality.samples)?;

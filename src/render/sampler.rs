@@ -1,9 +1,11 @@
 //! Camera rays of all pixels, tile by tile on all threads, until each pixel has enough.
 
+use std::time::Instant;
+
 use rayon::prelude::*;
 
 use super::film::{Film, PixelStats};
-use super::pattern::sample_place;
+use super::pattern::Pattern;
 use super::{Samples, Untold, Watch};
 use crate::error::{Error, Result};
 use crate::shading::{TraceCounts, TraceState, Tracer};
@@ -20,6 +22,8 @@ pub(super) struct Sampler<'a> {
     pub camera: Camera,
     /// Pixels of a row.
     pub width: usize,
+    /// Samples of each pixel, if that is known beforehand.
+    pub set_size: Option<u32>,
     pub watch: &'a dyn Watch,
 }
 
@@ -42,26 +46,26 @@ impl Sampler<'_> {
         }
     }
 
-    /// Rounds of at most twice as many samples, planned by what is known of each pixel.
+    /// Rounds that double the samples of those pixels where that helps most.
     fn sample_lit(&self, film: &mut Film, max: u32, error: f64) -> Result<TraceCounts> {
-        const FIRST: u32 = 60;
+        let start = Instant::now();
         let untold = Sampler { watch: &Untold(self.watch), ..*self };
-        let mut counts = untold.sample_until(film, |pixel| pixel.count >= FIRST.min(max))?;
+        let mut counts = TraceCounts::default();
         let mut told = 0;
+        film.plan_first(error, max);
         loop {
-            let excess = film.lit_error() / error;
-            let is_hopeless = film.lit_error_of(|pixel| pixel.count >= max) > error;
-            // Evenly spread samples at edges: the error falls as count^−¾ (measured).
-            let growth = excess.powf(4.0 / 3.0).max(1.0);
-            let goes_on = excess > 1.0 && !is_hopeless && film.plan(growth.clamp(1.2, 2.0), max);
-            let share = if goes_on { growth.recip() } else { 1.0 };
+            counts =
+                counts + untold.sample_until(film, |pixel| pixel.quarters.is_full(pixel.count))?;
+            let outlook = film.plan(error, max);
+            let share = counts.camera_rays as f64 / outlook.camera_rays;
+            self.watch.expects(start.elapsed().as_secs_f64() * (share.recip() - 1.0));
+            let share = if outlook.goes_on { share.min(1.0) } else { 1.0 };
             let done = ((film.pixels.len() as f64 * share) as usize).max(told);
             self.watch.pixels_done(done - told);
             told = done;
-            if !goes_on {
+            if !outlook.goes_on {
                 return Ok(counts);
             }
-            counts = counts + untold.sample_until(film, |pixel| pixel.count >= pixel.planned)?;
         }
     }
 
@@ -108,8 +112,11 @@ impl Sampler<'_> {
         for (sum, mean) in sum.as_mut_slice().iter_mut().zip(&*spectrum) {
             *sum = f64::from(*mean) * f64::from(stats.count);
         }
+        let pattern = Pattern::of_pixel(x, y);
+        let set = self.set_size.map(|count| pattern.set(count)).unwrap_or_default();
         while !enough(stats) {
-            let [dx, dy] = sample_place(stats.count);
+            let in_set = set.get(stats.count as usize).copied();
+            let [dx, dy] = in_set.unwrap_or_else(|| pattern.place(stats.count));
             let ray = self.camera.ray(x as f64 + dx, y as f64 + dy);
             let mut sample = Bands::zero(spectrum.len());
             state.luminance_error = 0.0;

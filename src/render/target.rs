@@ -11,27 +11,29 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::pattern::sample_place;
+use super::pattern::Pattern;
 use super::{Quality, RenderStats, Samples, Untold, Watch, render};
 use crate::error::{Error, Result};
 use crate::geometry::Ray;
 use crate::image::SpectralImage;
 use crate::image::difference::lit_luminance;
 use crate::scene::{Prepared, SpectralTables};
-use crate::shading::{TraceLimits, TraceState, Tracer};
+use crate::shading::{TraceCounts, TraceLimits, TraceState, Tracer};
 use crate::spectrum::{Bands, WavelengthGrid};
 use crate::view::View;
 
-/// Shares of the target. Noise adds to the sum of the others by squares: √(0.8² + 0.3²) = 0.85.
-const SAMPLING_SHARE: f64 = 0.8;
+/// The most that light sums and limits may take of the target. Noise adds to their sum by squares,
+/// so that sampling has at least √(1 − 0.3²) = 0.95 of it.
 const LIGHT_SHARE: f64 = 0.1;
 const TRUNCATION_SHARE: f64 = 0.2;
 
 /// Camera rays a pixel at which sampling gives up.
 pub const MOST_SAMPLES: u32 = 100_000;
 
-/// Camera rays a pixel of the picture that tells which pixels are lit.
+/// Camera rays a pixel of the picture that tells which places are lit, and about how many pixels it
+/// has at most.
 const PILOT_SAMPLES: u32 = 4;
+const PILOT_PIXELS: f64 = 2048.0;
 
 const GRID: WavelengthGrid = WavelengthGrid::Step5;
 
@@ -101,33 +103,28 @@ pub fn render_to_target(
 ) -> Result<(SpectralImage, RenderStats)> {
     let start = Instant::now();
     let tables = prepared.tables(GRID)?;
-    let trials = Trials { prepared, tables, view, target, watch };
-    let pilot = Quality {
-        samples: Samples::Fixed(PILOT_SAMPLES),
-        limits: Rung::CHEAPEST.limits(target),
+    let trials = Trials { prepared, tables, view: &pilot_view(view), target, watch };
+    let (chosen, pilot) = trials.choose()?;
+    let bias = chosen.light_sum_error + chosen.truncation_error;
+    let noise = (target.powi(2) - bias.powi(2)).max(0.0).sqrt();
+    let quality = Quality {
+        samples: Samples::Lit { max: MOST_SAMPLES, error: noise },
+        limits: chosen.rung.limits(target),
         grid: GRID,
     };
-    let (image, mut stats) = render(prepared, view, &pilot, &Untold(watch))?;
-    let mut spent = stats.counts;
-    let mut chosen = trials.choose(Rung::CHEAPEST, &image, PILOT_SAMPLES)?;
-    loop {
-        let samples = Samples::Lit { max: MOST_SAMPLES, error: SAMPLING_SHARE * target };
-        let limits = chosen.rung.limits(target);
-        let quality = Quality { samples, limits, grid: GRID };
-        let (mut image, seen) = render(prepared, view, &quality, watch)?;
-        stats = seen;
-        spent = spent + stats.counts;
-        // The image is the better judge of what is lit, and its rays are others.
-        let again = trials.choose(chosen.rung, &image, MOST_SAMPLES)?;
-        if again.rung == chosen.rung {
-            image.metadata.insert("target_error".to_owned(), target.to_string());
-            stats.target = Some(again.report(target, &image, &stats));
-            stats.counts = spent;
-            stats.seconds = start.elapsed().as_secs_f64();
-            return Ok((image, stats));
-        }
-        chosen = again;
-    }
+    let (mut image, mut stats) = render(prepared, view, &quality, watch)?;
+    image.metadata.insert("target_error".to_owned(), target.to_string());
+    stats.target = Some(chosen.report(target, &image, &stats));
+    stats.counts = pilot + stats.counts;
+    stats.seconds = start.elapsed().as_secs_f64();
+    Ok((image, stats))
+}
+
+/// The same view in few pixels: what is lit, and what limits cost, is seen in those, too.
+fn pilot_view(view: &View) -> View {
+    let shrink = (view.pixels() as f64 / PILOT_PIXELS).sqrt().max(1.0);
+    let fewer = |pixels: usize| (pixels as f64 / shrink).ceil() as usize;
+    View { width: fewer(view.width), height: fewer(view.height), ..*view }
 }
 
 /// Limits from cheap to close.
@@ -191,6 +188,7 @@ impl Chosen {
 struct Trials<'a> {
     prepared: &'a Prepared,
     tables: &'a SpectralTables,
+    /// The pilot's.
     view: &'a View,
     target: f64,
     watch: &'a dyn Watch,
@@ -204,48 +202,64 @@ struct LitRay {
 }
 
 impl Trials<'_> {
-    /// The cheapest limits from `rung` on whose errors are within their shares.
-    ///
-    /// The rays' places in their pixels begin at number `place`.
-    fn choose(&self, mut rung: Rung, image: &SpectralImage, place: u32) -> Result<Chosen> {
+    /// The cheapest limits whose errors are within their shares, and what the pilot traced.
+    fn choose(&self) -> Result<(Chosen, TraceCounts)> {
         /// Differences of depth need no exact sums, which take a million times longer.
         const RAYS: usize = 1024;
         const EXACT_RAYS: usize = 64;
-        let rays = self.lit_rays(image, RAYS, place);
-        let mut here = self.luminances(&rays, rung.limits(self.target))?;
-        let truncation_error = loop {
-            let deeper = self.luminances(&rays, rung.deeper().limits(self.target))?;
-            let error = rms_change(&rays, &here, &deeper);
+        let limits = Rung::CHEAPEST.limits(self.target);
+        let quality = Quality { samples: Samples::Fixed(PILOT_SAMPLES), limits, grid: GRID };
+        let (pilot, stats) = render(self.prepared, self.view, &quality, &Untold(self.watch))?;
+        let rays = self.lit_rays(&pilot, RAYS);
+        let (depth, truncation_error) = self.choose_depth(&rays)?;
+        let few: Vec<LitRay> = rays.into_iter().step_by(RAYS / EXACT_RAYS).collect();
+        let (light, light_sum_error) = self.choose_light(&few, depth)?;
+        let rung = Rung { depth, light };
+        Ok((Chosen { rung, light_sum_error, truncation_error }, stats.counts))
+    }
+
+    /// Index of the depth, and its error.
+    fn choose_depth(&self, rays: &[LitRay]) -> Result<(usize, f64)> {
+        let mut rung = Rung::CHEAPEST;
+        let mut here = self.luminances(rays, rung.limits(self.target))?;
+        loop {
+            let deeper = self.luminances(rays, rung.deeper().limits(self.target))?;
+            let error = rms_change(rays, &here, &deeper);
             if error <= TRUNCATION_SHARE * self.target || rung.depth == Rung::DEEPEST {
-                break error;
+                return Ok((rung.depth, error));
             }
             (rung, here) = (rung.deeper(), deeper);
-        };
-        let rays: Vec<LitRay> = rays.into_iter().step_by(RAYS / EXACT_RAYS).collect();
+        }
+    }
+
+    /// Index of the light error, and what it leaves.
+    fn choose_light(&self, rays: &[LitRay], depth: usize) -> Result<(usize, f64)> {
+        let mut rung = Rung { depth, light: 0 };
         let limits = rung.limits(self.target);
-        let exact = self.luminances(&rays, TraceLimits { light_error: 0.0, ..limits })?;
+        let exact = self.luminances(rays, TraceLimits { light_error: 0.0, ..limits })?;
         loop {
-            let near = self.luminances(&rays, rung.limits(self.target))?;
-            let light_sum_error = rms_change(&rays, &near, &exact);
+            let near = self.luminances(rays, rung.limits(self.target))?;
+            let error = rms_change(rays, &near, &exact);
             // The last is exact, so its error is 0.
-            if light_sum_error <= LIGHT_SHARE * self.target {
-                return Ok(Chosen { rung, light_sum_error, truncation_error });
+            if error <= LIGHT_SHARE * self.target {
+                return Ok((rung.light, error));
             }
             rung = rung.closer();
         }
     }
 
-    /// This many rays, evenly among the lit pixels; none if all are black.
-    fn lit_rays(&self, image: &SpectralImage, count: usize, place: u32) -> Vec<LitRay> {
-        let luminances: Vec<f64> = image.to_xyz().pixels.iter().map(|c| c.y).collect();
+    /// This many rays, evenly among the lit pixels, at places that the pilot has not sampled; none
+    /// if all are black.
+    fn lit_rays(&self, pilot: &SpectralImage, count: usize) -> Vec<LitRay> {
+        let luminances: Vec<f64> = pilot.to_xyz().pixels.iter().map(|c| c.y).collect();
         let threshold = lit_luminance(luminances.clone());
         let is_lit = |&pixel: &usize| luminances[pixel] > 0.0 && luminances[pixel] >= threshold;
         let lit: Vec<usize> = (0..luminances.len()).filter(is_lit).collect();
         let camera = self.view.camera();
         let ray = |i: usize| {
             let pixel = *lit.get(i * lit.len() / count)?;
-            let (x, y) = (pixel % image.width, pixel / image.width);
-            let [dx, dy] = sample_place(place + i as u32);
+            let (x, y) = (pixel % pilot.width, pixel / pilot.width);
+            let [dx, dy] = Pattern::of_pixel(x, y).place(PILOT_SAMPLES + i as u32);
             let ray = camera.ray(x as f64 + dx, y as f64 + dy);
             Some(LitRay { ray, luminance: luminances[pixel] })
         };
