@@ -517,6 +517,7 @@ function lampyris.image.sum(terms) end
 
 ---@class Cost
 ---@field seconds number  of rendering
+---@field expected_seconds number  of rendering, as thought after the first samples; nil without target_error
 ---@field bvh_seconds number  of building the scene's BVH
 ---@field light_tree_seconds number  of building its light trees
 ---@field peak_memory_mb number  of the program so far

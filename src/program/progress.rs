@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::json;
 
 use crate::render::Watch;
@@ -106,6 +106,14 @@ impl Watch for Progress {
         if self.verbosity != Verbosity::Quiet && self.is_due() {
             self.report();
         }
+    }
+
+    fn expects(&self, seconds: f64) {
+        self.bar.set_message(format!(
+            "about {} more",
+            HumanDuration(Duration::from_secs_f64(seconds.max(0.0)))
+        ));
+        self.log(json!({ "event": "expected", "remaining_seconds": seconds }));
     }
 
     fn is_cancelled(&self) -> bool {

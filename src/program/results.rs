@@ -104,6 +104,7 @@ fn per_sum(stats: &RenderStats, count: u64) -> Cell {
 /// What a render cost, which differs from run to run.
 pub struct Cost {
     pub seconds: f64,
+    pub expected_seconds: Option<f64>,
     pub build: BuildSeconds,
     pub peak_memory_mb: Option<f64>,
 }
@@ -113,6 +114,12 @@ pub const COST: Fields<Cost> = Fields {
     class: "Cost",
     fields: &[
         field("seconds", "number", "of rendering", |cost| cost.seconds.into()),
+        field(
+            "expected_seconds",
+            "number",
+            "of rendering, as thought after the first samples; nil without target_error",
+            |cost| cost.expected_seconds.into(),
+        ),
         field("bvh_seconds", "number", "of building the scene's BVH", |cost| cost.build.bvh.into()),
         field("light_tree_seconds", "number", "of building its light trees", |cost| {
             cost.build.light_trees.into()

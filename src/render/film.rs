@@ -50,6 +50,8 @@ pub(super) struct Film {
     pub bands: usize,
     pub spectra: Vec<f32>,
     pub pixels: Vec<PixelStats>,
+    /// Seconds that the picture was first thought to take, where its samples follow from an error.
+    pub expected_seconds: Option<f64>,
 }
 
 impl Film {
@@ -60,6 +62,7 @@ impl Film {
             bands,
             spectra: vec![0.0; pixels * bands],
             pixels: vec![PixelStats::default(); pixels],
+            expected_seconds: None,
         }
     }
 

@@ -78,6 +78,9 @@ pub struct RenderStats {
     pub largest_light_error: f64,
     /// Estimated rms error of luminance over lit pixels, relative to each: with [`Samples::Lit`].
     pub sampling_error: Option<f64>,
+    /// Time that the picture was thought to take when its first samples were there, s: with
+    /// [`Samples::Lit`].
+    pub expected_seconds: Option<f64>,
     /// What was chosen, and the errors estimated: with [`render_to_target`].
     pub target: Option<TargetReport>,
 }
@@ -117,6 +120,7 @@ pub fn render(
         mean_light_error: if mean > 0.0 { light_error / mean } else { 0.0 },
         largest_light_error: film.pixels.iter().map(relative).fold(0.0, f64::max),
         sampling_error: matches!(quality.samples, Samples::Lit { .. }).then(|| film.lit_error()),
+        expected_seconds: film.expected_seconds,
         target: None,
     };
     Ok((film.into_image(view, quality, prepared.scene.photometry), stats))

@@ -58,7 +58,9 @@ impl Sampler<'_> {
                 counts + untold.sample_until(film, |pixel| pixel.quarters.is_full(pixel.count))?;
             let outlook = film.plan(error, max);
             let share = counts.camera_rays as f64 / outlook.camera_rays;
-            self.watch.expects(start.elapsed().as_secs_f64() * (share.recip() - 1.0));
+            let spent_seconds = start.elapsed().as_secs_f64();
+            film.expected_seconds.get_or_insert(spent_seconds / share);
+            self.watch.expects(spent_seconds * (share.recip() - 1.0));
             let share = if outlook.goes_on { share.min(1.0) } else { 1.0 };
             let done = ((film.pixels.len() as f64 * share) as usize).max(told);
             self.watch.pixels_done(done - told);

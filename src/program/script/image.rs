@@ -187,8 +187,9 @@ impl LuaImage {
         let Some(Run { stats, build }) = &self.0.run else {
             return Cell::Nothing;
         };
-        let (seconds, build) = (stats.seconds, *build);
-        let cost = Cost { seconds, build, peak_memory_mb: memory::peak_mb() };
+        let RenderStats { seconds, expected_seconds, .. } = *stats;
+        let cost =
+            Cost { seconds, expected_seconds, build: *build, peak_memory_mb: memory::peak_mb() };
         Cell::Record([STATS.cells(stats), COST.cells(&cost)].concat())
     }
 }
