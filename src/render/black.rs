@@ -1,6 +1,6 @@
 //! Why is it black? A sentence about a picture without light.
 
-use super::pattern::sample_place;
+use super::pattern::Pattern;
 use crate::error::Result;
 use crate::geometry::{DVec3, Ray};
 use crate::image::SpectralImage;
@@ -74,10 +74,10 @@ impl Question<'_> {
     }
 
     fn rays(&self) -> impl Iterator<Item = Ray> {
-        let camera = self.view.camera();
+        let (camera, pattern) = (self.view.camera(), Pattern::of_pixel(0, 0));
         let [width, height] = [self.view.width, self.view.height].map(|pixels| pixels as f64);
         (0..RAYS).map(move |i| {
-            let [x, y] = sample_place(i);
+            let [x, y] = pattern.place(i);
             camera.ray(x * width, y * height)
         })
     }
