@@ -66,6 +66,7 @@
 pub mod color;
 pub mod columns;
 pub mod display;
+pub mod environment;
 pub mod error;
 pub mod fit;
 pub mod geometry;

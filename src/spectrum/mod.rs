@@ -3,6 +3,7 @@
 mod bands;
 mod blackbody;
 pub mod cie;
+pub mod daylight;
 pub mod grid;
 mod table;
 
