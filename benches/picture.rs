@@ -102,6 +102,7 @@ fn single_band(all: &SpectralTables) -> SpectralTables {
     const BAND: usize = 54;
     let pick = |bands: &Bands| Bands::from_slice(&bands.as_slice()[BAND..=BAND]);
     SpectralTables {
+        surroundings: None,
         bands: 1,
         materials: all
             .materials
@@ -188,7 +189,7 @@ fn lamp(samples: usize) -> Scene {
             .collect(),
         materials: vec![aluminium(), red_lens()],
         lights: vec![filament(samples)],
-        background: Spectrum::constant(0.0),
+        background: lampyris::scene::Background::Even(Spectrum::constant(0.0)),
         ambient: Spectrum::constant(0.0),
         photometry: Photometry::Relative,
         shadows: Shadows::Off,

@@ -42,7 +42,7 @@ pub fn draw(data: &Path, folder: &Path) -> Result<()> {
         objects: vec![Object { mesh, material: MaterialId(0) }],
         materials: vec![aluminium],
         lights: vec![Light { rays, spectrum }],
-        background: Spectrum::constant(0.0),
+        background: lampyris::scene::Background::Even(Spectrum::constant(0.0)),
         ambient: Spectrum::constant(0.0),
         photometry: Photometry::Absolute,
         shadows: Shadows::On,

@@ -377,6 +377,94 @@ function Rayset:halves(options) end
 ---@return number
 function Rayset:noise(options) end
 
+-- Surroundings ---------------------------------------------------------------------------------
+
+---What a ray sees that leaves the scene, and light for its lobes: a scene's `background`.
+---@class Environment
+local Environment = {}
+
+lampyris.environment = {}
+
+---@class EnvironmentLoadOptions
+---@field rotate? number  right-handed about +Y; at 0 the picture's middle is -Z, behind the lamp; -360 to 360 degrees; default 0
+---@field luminance? number  of the file's white (1, 1, 1); 0 to 1000000000000 cd/m²; default the file's; else 1 for EXR, 179 for Radiance
+---@field illuminance? number  of all of it on a level plane; above 0 lx; default what follows from luminance
+---@field scale? number  times as bright; above 0; default 1
+
+---A latitude-longitude picture: EXR or Radiance.
+---@param path string
+---@param options? EnvironmentLoadOptions
+---@return Environment
+function lampyris.environment.load(path, options) end
+
+---@class SunOptions
+---@field elevation number  above the horizon; 0 to 90 degrees
+---@field azimuth? number  as a view's: 0 is behind the viewer of the lamp's front; -360 to 360 degrees; default 0
+---@field illuminance? number  facing it; 0 leaves the disc out; 0 to 1000000000 lx; default by turbidity and elevation; 0 for skies 1 to 6
+---@field cct? number  of CIE daylight; 4000 to 25000 K; default a spectrum that the air has filtered
+
+---@class SkyOptions
+---@field kind "overcast"|"clear"|integer  overcast (Moon and Spencer), clear, or the number of a sky of CIE S 011
+---@field sun? SunOptions  where it stands; default none: skies 2, 4 and 6 to 15 need it
+---@field turbidity? number  luminous, of the air: 1 is clean, 5 hazy; 1 to 20; default 2.5
+---@field illuminance? number  of sky and sun on a level plane; above 0 lx; default by kind and elevation
+---@field cct? number  of the sky (CIE daylight); 4000 to 25000 K; default 6500 overcast, 8000, 12000 clear
+---@field ground? Spectrum|number  reflectance of the ground below the horizon; 0 to 1; default 0
+
+---A CIE sky.
+---@param options SkyOptions
+---@return Environment
+function lampyris.environment.sky(options) end
+
+---@class PanelOptions
+---@field size number[]  along x and z; above 0 mm
+---@field luminance number  0 to 1000000000000 cd/m²
+---@field center? number[]  x and z; default {0, 0}
+
+---@class RoomOptions
+---@field size? number[]  along x and z; above 0 mm; default {8000, 12000}
+---@field above? number  of the ceiling over the lamp; above 0 mm; default 2500
+---@field below? number  of the floor under the lamp; above 0 mm; default 1000
+---@field rows? integer  luminous rectangles in the ceiling: rows along z; 0 to 1000; default 3
+---@field columns? integer  along x; 0 to 1000; default 2
+---@field panel? number[]  of each rectangle, along x and z; above 0 mm; default {1500, 1500}
+---@field panels? PanelOptions[]  rectangles of their own, beside those in rows; default {}
+---@field luminance? number  of the rectangles; 0 to 1000000000000 cd/m²; default 3000
+---@field ceiling? number  0 to 1000000000000 cd/m²; default 120
+---@field walls? number  0 to 1000000000000 cd/m²; default 80
+---@field floor? number  0 to 1000000000000 cd/m²; default 30
+---@field cct? number  of all (CIE daylight); 4000 to 25000 K; default 5000
+---@field spectrum? Spectrum|number  of the rectangles, in place of daylight; default daylight of cct
+---@field illuminance? number  on a level plane: scales everything; above 0 lx; default what follows
+---@field rotate? number  right-handed about +Y; -360 to 360 degrees; default 0
+
+---A room with luminous rectangles in its ceiling, and the lamp in its middle.
+---@param options? RoomOptions
+---@return Environment
+function lampyris.environment.room(options) end
+
+---CIEDE2000 of colors that became spectra and colors again: mean and largest.
+---@param gamut "srgb"|"p3"
+---@return number, number
+function lampyris.environment.round_trip(gamut) end
+
+---lx on a plane with this normal, by default a level one, the sun included.
+---@param normal? vector
+---@return number
+function Environment:illuminance(normal) end
+
+---X, Y, Z in a direction; Y in cd/m².
+---@param azimuth number
+---@param elevation number
+---@return number, number, number
+function Environment:xyz(azimuth, elevation) end
+
+---Spectral radiance in a direction.
+---@param azimuth number
+---@param elevation number
+---@return Spectrum
+function Environment:spectrum(azimuth, elevation) end
+
 -- Scene, view, render ---------------------------------------------------------------------------
 
 ---@class Object
@@ -386,7 +474,7 @@ function Rayset:noise(options) end
 ---@class SceneOptions
 ---@field objects Object[]
 ---@field lights? Rayset[]  default {}
----@field background? Spectrum|number  0 or more; default 0
+---@field background? Spectrum|number|Environment  0 or more; default 0
 ---@field ambient? Spectrum|number  0 or more; default 0
 ---@field photometry? "relative"|"absolute"  default "relative"
 ---@field shadows? boolean  default false

@@ -6,11 +6,14 @@ mod lab;
 mod photometry;
 mod rec709;
 pub mod signal;
+pub mod upsampling;
 
 pub use difference::{delta_e_2000, delta_e_ab};
 pub use lab::Lab;
 pub use photometry::Photometry;
-pub use rec709::{D65_XY, REC709_XY, rec709_from_xyz, srgb_decode, srgb_encode, xyz_from_rec709};
+pub use rec709::{
+    D65_XY, P3_XY, REC709_XY, rec709_from_xyz, srgb_decode, srgb_encode, xyz_from_rec709,
+};
 
 use std::ops::{Add, Mul, Sub};
 

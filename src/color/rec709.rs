@@ -12,6 +12,9 @@ pub const D65_XY: [f64; 2] = [0.3127, 0.3290];
 /// ITU-R BT.709-6, item 1.3.
 pub const REC709_XY: [[f64; 2]; 3] = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
 
+/// The primaries of Display P3. Source: SMPTE EG 432-1.
+pub const P3_XY: [[f64; 2]; 3] = [[0.68, 0.32], [0.265, 0.69], [0.15, 0.06]];
+
 static XYZ_FROM_RGB: LazyLock<DMat3> = LazyLock::new(|| xyz_from_primaries(REC709_XY, D65_XY));
 static RGB_FROM_XYZ: LazyLock<DMat3> = LazyLock::new(|| XYZ_FROM_RGB.inverse());
 

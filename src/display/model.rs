@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::curve::{Curve, PQ_MAX_CD_M2};
-use crate::color::{self, Xyz};
+use crate::color::{self, P3_XY, Xyz};
 use crate::error::{Error, Result};
 
 /// A display: its tone curves, its primaries and its black.
@@ -257,8 +257,6 @@ impl Display {
     }
 }
 
-/// SMPTE EG 432-1.
-const P3_XY: [[f64; 2]; 3] = [[0.68, 0.32], [0.265, 0.69], [0.15, 0.06]];
 /// ITU-R BT.2020-2.
 const REC2020_XY: [[f64; 2]; 3] = [[0.708, 0.292], [0.17, 0.797], [0.131, 0.046]];
 

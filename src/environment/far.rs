@@ -13,8 +13,9 @@ use super::table::CellTable;
 /// Nodes are kept down to about this many leaves; what is finer is looked up when asked for.
 const MOST_LEAVES: usize = 1 << 16;
 
-/// A sum that does not settle within these is cut off, with the error that it has.
-const MOST_NODES: usize = 20_000;
+/// A sum that does not settle within these is cut off, with the error that it has: without and with
+/// shadow rays.
+const MOST_NODES: [usize; 2] = [20_000, 3000];
 
 /// Nodes wider than this (their distance from center to rim) are always cut when something may
 /// stand before them: at most about 1/60 of the sphere is judged by one ray.
@@ -29,6 +30,9 @@ const DARK: f64 = 1e-6;
 
 /// Below it, f64 sums of moments are no better.
 const SMALLEST_ERROR: f64 = 1e-5;
+
+/// Of the error that is asked for: without shadow rays a sum is cheap, and a furnace even to 1e-4.
+const WITHOUT_SHADOWS: f64 = 0.4;
 
 /// Whether the surroundings are seen in a direction.
 pub(super) type Sight<'a> = &'a dyn Fn(DVec3) -> bool;
@@ -81,12 +85,9 @@ impl FarTree {
         largest_error: f64,
         sight: Option<Sight>,
     ) -> FarSum {
-        let largest_error = largest_error.max(SMALLEST_ERROR);
+        let share = if sight.is_some() { 1.0 } else { WITHOUT_SHADOWS };
+        let largest_error = (share * largest_error).max(SMALLEST_ERROR);
         Descent { tree: self, dome, lobes, largest_error, sight }.run()
-    }
-
-    pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.branches) + self.table.memory_bytes()
     }
 }
 
@@ -170,12 +171,13 @@ impl Descent<'_> {
     fn run(&self) -> FarSum {
         let mut leaves = Vec::with_capacity(256);
         let mut nodes = 0;
+        let most = MOST_NODES[usize::from(self.sight.is_some())];
         self.push(Some(0), self.tree.branches[0].node, &mut leaves);
         loop {
             self.judge(&mut leaves);
             let (values, error) = totals(&leaves);
             let budget = self.largest_error * values.iter().sum::<f64>().max(self.dark());
-            if error <= budget || nodes > MOST_NODES {
+            if error <= budget || nodes > most {
                 return FarSum { values, error, nodes: nodes as u32 };
             }
             let wrong = take_wrongest(&mut leaves, KEPT * budget);
@@ -221,29 +223,23 @@ impl Descent<'_> {
     }
 
     /// Sets errors: too wide nodes may be hidden in part, and so may those on both sides of where
-    /// seen and hidden ones touch; a ray through the middle then says which half is larger.
+    /// seen and hidden ones touch. There a ray through the middle tells which half is larger, and
+    /// what is wrong at one node cancels what is wrong at others: twice the root of the sum of
+    /// squares is taken for all.
     fn judge(&self, leaves: &mut [Leaf]) {
         if self.sight.is_none() {
             return;
         }
-        for at in 0..leaves.len() {
-            let leaf = &leaves[at];
-            let doubted = leaf.radius > WIDEST_JUDGED;
-            let touches = || leaves.iter().any(|other| leaf.borders_on(other));
-            let error = match (doubted, leaf.is_hidden) {
-                (true, _) => leaf.sum.most,
-                (false, true) => {
-                    if touches() {
-                        0.5 * leaf.sum.most
-                    } else {
-                        0.0
-                    }
-                }
-                (false, false) => {
-                    leaf.sum.error + if touches() { 0.5 * leaf.sum.most } else { 0.0 }
-                }
-            };
-            leaves[at].error = error;
+        let touches = |leaf: &Leaf| leaves.iter().any(|other| leaf.borders_on(other));
+        let doubt = |leaf: &Leaf| if touches(leaf) { 0.5 * leaf.sum.most } else { 0.0 };
+        let doubts: Vec<f64> = leaves.iter().map(doubt).collect();
+        let squares: f64 = doubts.iter().map(|doubt| doubt * doubt).sum();
+        let sum: f64 = doubts.iter().sum();
+        let share = (2.0 * squares.sqrt() / sum.max(f64::MIN_POSITIVE)).min(1.0);
+        for (leaf, doubt) in leaves.iter_mut().zip(doubts) {
+            let own = if leaf.is_hidden { 0.0 } else { leaf.sum.error };
+            let is_too_wide = leaf.radius > WIDEST_JUDGED;
+            leaf.error = if is_too_wide { leaf.sum.most } else { own + share * doubt };
         }
     }
 }

@@ -9,6 +9,7 @@
 //! +Y is up; azimuths are a view's, so that what stands at azimuth 0 and elevation 0 lies behind
 //! the viewer of a lamp's front.
 
+mod daylight;
 mod dome;
 mod far;
 mod node;
@@ -24,6 +25,7 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 
+pub use daylight::{Daylight, SunPlace};
 pub use dome::{CHANNELS, Dome, Luminances};
 pub use far::FarSum;
 pub use picture::Picture;
@@ -235,8 +237,10 @@ fn sun_side(
     if sun.direction.dot(side.normal) < -SUN_RADIUS_RAD {
         return 0.0;
     }
-    /// Enough for lobes wider than the disc, and to find an edge that crosses it.
+    /// Enough for lobes wider than the disc.
     const FEW: usize = 32;
+    /// With those, enough to find an edge that crosses the disc: it hides less than 1 % of it else.
+    const AT_RIM: usize = 16;
     /// Enough for exponents up to 10⁶, and for half shadows in steps of 0.1 %.
     const MANY: usize = 1024;
     let through = |direction: DVec3| -> f64 {
@@ -253,7 +257,9 @@ fn sun_side(
     };
     let is_seen = |direction: DVec3| sight.is_none_or(|seen| seen(direction));
     let sharpest = lobes.iter().map(|lobe| lobe.exponent).fold(1.0, f64::max);
-    let visible = sun.spread(FEW).filter(|point| is_seen(*point)).count();
+    let probes = sun.spread(FEW).chain(sun.rim(AT_RIM));
+    let visible = probes.filter(|point| is_seen(*point)).count();
+    const ALL: usize = FEW + AT_RIM;
     let is_wide = sharpest * SUN_RADIUS_RAD * SUN_RADIUS_RAD < 0.1;
     let mean = |count: usize, counts: &dyn Fn(DVec3) -> bool| {
         let points = sun.spread(count).filter(|point| counts(*point));
@@ -261,8 +267,8 @@ fn sun_side(
     };
     let each = match (visible, is_wide) {
         (0, _) => 0.0,
-        (FEW, true) => mean(FEW, &|_| true),
-        (FEW, false) => mean(MANY, &|_| true),
+        (ALL, true) => mean(FEW, &|_| true),
+        (ALL, false) => mean(MANY, &|_| true),
         _ => mean(MANY, &is_seen),
     };
     sun.illuminance_lx * each

@@ -192,13 +192,13 @@ impl Node {
             return total;
         }
         for lobe in lobes {
-            let seen = self.seen_part(lobe);
-            if seen.most > 0.0 {
+            let share = self.share_above(lobe.horizon);
+            if share > 0.0 {
                 let sum = self.sum_lobe(lobe, light);
                 for (total, value) in total.values.iter_mut().zip(sum.values) {
-                    *total += value * seen.share;
+                    *total += value * share;
                 }
-                let cut = if seen.is_cut { 0.5 * sum.most } else { 0.0 };
+                let cut = if share < 1.0 { 0.5 * sum.most } else { 0.0 };
                 total.error += (sum.error + cut).min(sum.most);
                 total.most += sum.most;
             }
@@ -206,21 +206,11 @@ impl Node {
         total
     }
 
-    /// What of the node is above a lobe's horizon.
-    fn seen_part(&self, lobe: &FarLobe) -> SeenPart {
-        let Some(horizon) = lobe.horizon else {
-            return SeenPart { share: 1.0, most: 1.0, is_cut: false };
-        };
-        let height = self.center.dot(horizon);
-        let reach = reach(height, self.radius);
-        if height >= reach {
-            SeenPart { share: 1.0, most: 1.0, is_cut: false }
-        } else if height <= -reach {
-            SeenPart { share: 0.0, most: 0.0, is_cut: false }
-        } else {
-            let share = (0.5 + 0.5 * height / reach).clamp(0.0, 1.0);
-            SeenPart { share, most: 1.0, is_cut: true }
-        }
+    /// How much of the node is above a lobe's horizon, 0 to 1.
+    fn share_above(&self, horizon: Option<DVec3>) -> f64 {
+        let height = horizon.map_or(1.0, |horizon| self.center.dot(horizon));
+        let reach = horizon.map_or(1.0, |_| reach(height, self.radius));
+        (0.5 + 0.5 * height / reach).clamp(0.0, 1.0)
     }
 
     fn sum_lobe(&self, lobe: &FarLobe, light: f64) -> NodeSum {
@@ -274,12 +264,17 @@ impl Angle {
         Angle { x, reach, nearest: (versine - inward).max(0.0) }
     }
 
-    /// How far the bounds of ∫ max(0, ·)ⁿ are apart, a convex function: its value at the mean, and
-    /// the chord from the lowest to the highest.
+    /// Half of how far the bounds of the mean of max(0, ·)ⁿ are apart, a convex function: its value
+    /// at the mean, and the chord from the lowest to the highest.
     fn bend(&self, mean: f64, highest: f64, n: f64) -> f64 {
-        let (low, high) = (self.x - self.reach, 1.0 - self.nearest);
+        let [low, high] = self.range();
         let chord = highest * ((mean - low) / (high - low)).clamp(0.0, 1.0);
-        (chord - mean.max(0.0).powf(n)).max(0.0)
+        0.5 * (chord - mean.max(0.0).powf(n)).max(0.0)
+    }
+
+    /// Of ω·A.
+    fn range(&self) -> [f64; 2] {
+        [self.x - self.reach, 1.0 - self.nearest]
     }
 
     /// Largest fourth derivative of xⁿ over 24, times what t² is where light is: about three times
@@ -293,13 +288,27 @@ impl Angle {
     }
 }
 
+/// How far ω·a may be from d·a = `cosine`, for unit ω within `radius` of d.
+fn reach(cosine: f64, radius: f64) -> f64 {
+    (1.0 - cosine * cosine).max(0.0).sqrt() * radius + 0.5 * radius * radius
+}
+
+/// (1 − versine)ⁿ, with the digits of a small versine.
+fn power(versine: f64, n: f64) -> f64 {
+    if versine >= 1.0 { 0.0 } else { (n * (-versine).ln_1p()).exp() }
+}
+
 impl Moments {
-    /// ∫ L (ω·A)ⁿ over xⁿ, to third order.
+    /// ∫ L (ω·A)ⁿ over xⁿ: to third order, and the fourth as for an even spread.
     fn relative(&self, powers: &Powers, x: f64, n: f64) -> f64 {
         let first = n / x;
         let second = first * (n - 1.0) / (2.0 * x);
         let third = second * (n - 2.0) / (3.0 * x);
-        self.light + first * powers.first + second * powers.second + third * powers.third
+        let fourth = third * (n - 3.0) / (4.0 * x);
+        // Of an even spread ∫ t⁴ is 9/5 (∫ t²)².
+        let even = 1.8 * powers.second * powers.second / self.light.max(f64::MIN_POSITIVE);
+        let higher = third * powers.third + fourth * even;
+        self.light + first * powers.first + second * powers.second + higher
     }
 
     /// ∫ L max(0, ·)ⁿ over light that is spread evenly about its mean, as wide as it is.
@@ -309,9 +318,10 @@ impl Moments {
         }
         let shift = powers.first / self.light;
         let variance = powers.second / self.light - shift * shift;
-        let half = (3.0 * variance).max(1e-30).sqrt();
-        let up_to = |end: f64| end.clamp(0.0, 1.0).powf(n + 1.0);
         let mean = angle.x + shift;
+        let [low, high] = angle.range();
+        let half = (3.0 * variance).max(0.0).sqrt().min(high - mean).min(mean - low).max(1e-12);
+        let up_to = |end: f64| end.max(0.0).powf(n + 1.0);
         self.light * (up_to(mean + half) - up_to(mean - half)) / (2.0 * half * (n + 1.0))
     }
 }

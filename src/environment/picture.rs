@@ -2,6 +2,8 @@
 
 use super::dome::Luminances;
 use super::patch::Cells;
+use crate::color::Xyz;
+use crate::color::upsampling::{ColorGamut, Upsampling};
 use crate::error::{Error, Result};
 
 /// A picture of all directions: row 0 is straight up, the middle column −Z, right of it +X.
@@ -30,6 +32,23 @@ impl Picture {
             return Err(Error::out_of_range("environment", &what, found, "finite, 0 or more"));
         }
         Ok(Picture { width, height, pixels })
+    }
+
+    /// Colors (XYZ) as a mix of three spectra: those of Rec. 709 where all colors lie in there, else
+    /// P3's. The third is the share of pixels that were outside of both and had to be paled.
+    ///
+    /// Errors: as [`Picture::new`].
+    pub fn from_colors(
+        width: usize,
+        height: usize,
+        colors: impl Iterator<Item = Xyz> + Clone,
+    ) -> Result<(Picture, &'static Upsampling, f64)> {
+        let [rec709, p3] = [ColorGamut::Rec709, ColorGamut::P3].map(Upsampling::of);
+        let upsampling = if colors.clone().all(|color| rec709.holds(color)) { rec709 } else { p3 };
+        let outside = colors.clone().filter(|color| !upsampling.holds(*color)).count();
+        let pixels = colors.map(|color| upsampling.mix(color).map(|value| value as f32));
+        let picture = Picture::new(width, height, pixels.collect())?;
+        Ok((picture, upsampling, outside as f64 / (width * height) as f64))
     }
 
     pub fn width(&self) -> usize {

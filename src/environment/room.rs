@@ -59,13 +59,6 @@ impl Room {
             None => [0.0, self.ceiling, 0.0],
         }
     }
-
-    pub(super) fn scale(&mut self, factor: f64) {
-        self.panels.iter_mut().for_each(|panel| panel.luminance *= factor);
-        for value in [&mut self.ceiling, &mut self.walls, &mut self.floor] {
-            *value *= factor;
-        }
-    }
 }
 
 #[cfg(test)]

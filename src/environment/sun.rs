@@ -39,14 +39,22 @@ impl Sun {
     /// `count` directions that share the disc evenly: a spiral of golden angles.
     pub(super) fn spread(&self, count: usize) -> impl Iterator<Item = DVec3> {
         const GOLDEN_RAD: f64 = 2.399_963_229_728_653;
+        // Equal shares of sin² are equal shares of ∫ cos dω.
+        let radius = move |i: usize| ((i as f64 + 0.5) / count as f64).sqrt();
+        (0..count).map(move |i| self.point(radius(i), GOLDEN_RAD * i as f64))
+    }
+
+    /// `count` directions just inside of the disc's rim.
+    pub(super) fn rim(&self, count: usize) -> impl Iterator<Item = DVec3> {
+        (0..count).map(move |i| self.point(0.999, 2.0 * PI * i as f64 / count as f64))
+    }
+
+    /// `radius` in those of the disc.
+    fn point(&self, radius: f64, angle_rad: f64) -> DVec3 {
         let (right, up) = self.direction.any_orthonormal_pair();
-        (0..count).map(move |i| {
-            // Equal shares of sin² are equal shares of ∫ cos dω.
-            let sine = SUN_RADIUS_RAD.sin() * ((i as f64 + 0.5) / count as f64).sqrt();
-            let (sin, cos) = (GOLDEN_RAD * i as f64).sin_cos();
-            let across = (right * cos + up * sin) * sine;
-            across + self.direction * (1.0 - sine * sine).sqrt()
-        })
+        let sine = radius * SUN_RADIUS_RAD.sin();
+        let (sin, cos) = angle_rad.sin_cos();
+        (right * cos + up * sin) * sine + self.direction * (1.0 - sine * sine).sqrt()
     }
 }
 

@@ -23,7 +23,8 @@ impl CellTable {
     pub fn new(dome: &Dome) -> CellTable {
         let cells = dome.cells();
         let rows = (0..cells.rows).into_par_iter();
-        let of_row = |row| (0..cells.columns).map(move |column| mean(dome, cell(cells, column, row)));
+        let of_row =
+            |row| (0..cells.columns).map(move |column| mean(dome, cell(cells, column, row)));
         let longitude = |column: usize| TAU * (column as f64 + 0.5) / cells.columns as f64;
         CellTable {
             cells,
@@ -45,10 +46,6 @@ impl CellTable {
                 f(seen.map(f64::from), self.bands[row].spread_toward(self.columns[column]));
             }
         }
-    }
-
-    pub fn memory_bytes(&self) -> usize {
-        size_of_val(&*self.luminances)
     }
 }
 

@@ -58,7 +58,8 @@ fn furnace_is_even_for_any_resolution() {
                 let lobes = diffuse(n_d);
                 let sum = reflected(&furnace, &query(normal, normal, &lobes), 0.01).dome[0];
                 let error = sum / (2.0 / (n_d + 1.0)) - 1.0;
-                assert!(error.abs() < 1e-4, "{width}: n_d {n_d}: {error:e}");
+                let allowed = if n_d == 1.0 { 1e-4 } else { 1e-3 };
+                assert!(error.abs() < allowed, "{width}: n_d {n_d}: {error:e}");
             }
             for n_s in [20.0, 1500.0, 1e4, 1e6] {
                 let lobes = specular(n_s);
@@ -70,34 +71,222 @@ fn furnace_is_even_for_any_resolution() {
     }
 }
 
-#[test]
-fn probe() {
-    for (width, height) in [(1, 1), (64, 32), (1000, 500)] {
-        let furnace = even(width, height);
-        for (name, lobes, right) in [
-            ("d1", diffuse(1.0), 1.0),
-            ("d2.5", diffuse(2.5), 2.0 / 3.5),
-            ("d10", diffuse(10.0), 2.0 / 11.0),
-            ("s20", specular(20.0), 22.0 / 21.0),
-            ("s1500", specular(1500.0), 1502.0 / 1501.0),
-            ("s1e4", specular(1e4), 1.0001),
-            ("s1e6", specular(1e6), 1.000001),
-        ] {
-            for budget in [0.03, 0.01, 0.003, 0.001, 0.0001] {
-                let mut worst = 0.0f64;
-                let mut nodes = 0;
-                let start = std::time::Instant::now();
-                for normal in around(12) {
-                    let light = furnace.light(&query(normal, normal, &lobes), ALL, budget, None);
-                    worst = worst.max((light.reflected.dome[0] / right - 1.0).abs());
-                    nodes += light.nodes;
-                }
-                println!(
-                    "{width} {name} {budget}: {worst:.2e}, {} nodes, {:.1} us",
-                    nodes / 12,
-                    start.elapsed().as_secs_f64() / 12.0 * 1e6
-                );
+/// Plane tilts: level, toward the sun, upright on both sides, and nearly upside down.
+const TILTS: [(f64, f64); 5] =
+    [(0.0, 90.0), (40.0, 50.0), (40.0, 0.0), (-140.0, 0.0), (100.0, -60.0)];
+
+/// ∫ L cos dω by the midpoint rule in f64, on planes with these normals; a coarser grid changes the
+/// fifth digit.
+fn illuminances_by_integration(sky: &Sky, normals: [DVec3; 5]) -> [f64; 5] {
+    let (rows, columns) = (300, 600);
+    let mut sums = [0.0; 5];
+    for row in 0..rows {
+        let (sin, cos) = (PI / 2.0 * (row as f64 + 0.5) / rows as f64).sin_cos();
+        let solid_angle = sin * (PI / 2.0 / rows as f64) * (2.0 * PI / columns as f64);
+        for column in 0..columns {
+            let phi = 2.0 * PI * (column as f64 + 0.5) / columns as f64;
+            let direction = DVec3::new(sin * phi.sin(), cos, sin * phi.cos());
+            let light = sky.luminances(direction)[0] * solid_angle;
+            for (sum, normal) in sums.iter_mut().zip(normals) {
+                *sum += light * direction.dot(normal).max(0.0);
             }
         }
     }
+    sums
+}
+
+/// Within 0.1 %: every kind on planes of five tilts.
+#[test]
+fn skies_light_planes_of_any_tilt() {
+    let sun = toward(40.0, 35.0);
+    let numbers = (1..=15).filter_map(SkyKind::standard);
+    let normals = TILTS.map(|(azimuth, elevation)| toward(azimuth, elevation));
+    for kind in numbers.chain([SkyKind::Overcast]) {
+        let sky = Sky::new(kind, sun).unwrap();
+        let environment = Environment::new(Dome::Sky(sky.clone()), white()).unwrap();
+        for (normal, expected) in
+            normals.into_iter().zip(illuminances_by_integration(&sky, normals))
+        {
+            let lobes = diffuse(1.0);
+            let light = PI * reflected(&environment, &query(normal, normal, &lobes), 0.01).dome[0];
+            for found in [environment.illuminance_lx(normal), light] {
+                let error = found / expected - 1.0;
+                assert!(error.abs() < 1e-3, "{kind:?} {normal}: {error:e}");
+            }
+        }
+    }
+}
+
+/// Moon & Spencer: ∫ (1 + 2 sin γ)/3 cos dω is 7π/9 of the zenith on a level plane, and
+/// 1/3 · π/2 + 2/3 · 2/3 on an upright one.
+#[test]
+fn overcast_sky_has_its_closed_form() {
+    let sky = Sky::new(SkyKind::Overcast, DVec3::Y).unwrap();
+    let environment = Environment::new(Dome::Sky(sky), white()).unwrap();
+    let level = environment.illuminance_lx(DVec3::Y) / (7.0 * PI / 9.0);
+    let upright = environment.illuminance_lx(DVec3::X) / (PI / 6.0 + 4.0 / 9.0);
+    assert!((level - 1.0).abs() < 1e-3 && (upright - 1.0).abs() < 1e-3, "{level} {upright}");
+}
+
+/// A picture with a pixel a thousand times as bright as what is around it.
+fn spotted() -> Environment {
+    let (width, height) = (96, 48);
+    let pixel = |at: usize| {
+        let (x, y) = (at % width, at / width);
+        let spot = if (x, y) == (30, 12) { 1000.0 } else { 0.0 };
+        let wave = 1.0 + (x as f32 * 0.4).sin() * (y as f32 * 0.3).cos();
+        [wave + spot, 0.5 * wave, if y > 24 { 0.2 } else { 0.0 }]
+    };
+    let pixels = (0..width * height).map(pixel).collect();
+    let picture = Picture::new(width, height, pixels).unwrap();
+    let spectra = [450.0, 550.0, 650.0].map(|center| {
+        let rows = (0..81).map(|band| {
+            let l = 380.0 + 5.0 * f64::from(band);
+            (l, (-((l - center) / 40.0f64).powi(2)).exp())
+        });
+        Spectrum::from_pairs("bell", rows).unwrap()
+    });
+    Environment::new(Dome::Picture(picture), spectra.to_vec()).unwrap()
+}
+
+/// Σ of a lobe over what rays see, on a grid of `per_pixel`² looks a pixel.
+fn by_integration(environment: &Environment, side: &Side, lobes: &Lobes) -> Luminances {
+    let lobes =
+        environment.lobes(&HitQuery { lobes, ..query(side.normal, side.normal, lobes) }, side, 1.0);
+    let (rows, columns) = (48 * 16, 96 * 16);
+    let mut sums = [0.0; CHANNELS];
+    for row in 0..rows {
+        for column in 0..columns {
+            let place = [(column as f64 + 0.5) / columns as f64, (row as f64 + 0.5) / rows as f64];
+            let direction = patch::direction(place);
+            if direction.dot(side.normal) <= 0.0 {
+                continue;
+            }
+            let sine = (PI * place[1]).sin();
+            let solid_angle = sine * (PI / rows as f64) * (2.0 * PI / columns as f64);
+            let scattered = |lobe: &FarLobe| {
+                let cosine = direction.dot(lobe.axis);
+                if cosine > 0.0 { lobe.weight * cosine.powf(lobe.exponent) } else { 0.0 }
+            };
+            let weight = solid_angle * lobes.iter().map(scattered).sum::<f64>();
+            let seen = environment.dome.luminances(place, direction);
+            sums.iter_mut().zip(seen).for_each(|(sum, value)| *sum += weight * value);
+        }
+    }
+    sums
+}
+
+/// What is stated as error holds, and each spectrum on its own is right, in daylight with a spot.
+#[test]
+fn sums_keep_their_error() {
+    let environment = spotted();
+    for lobes in [diffuse(1.0), diffuse(10.0), specular(20.0), specular(1500.0)] {
+        for normal in around(6) {
+            let view = (normal + DVec3::new(0.5, 0.2, -0.3)).normalize();
+            if view.dot(normal) < 0.1 {
+                continue;
+            }
+            let query = query(normal, view, &lobes);
+            let exact = by_integration(&environment, &Side::reflected(&query), &lobes);
+            for largest_error in [0.1, 0.01] {
+                let far = reflected(&environment, &query, largest_error);
+                let total: f64 = exact.iter().sum();
+                let error = far.dome.iter().sum::<f64>() - total;
+                // 1e-3: of the integration.
+                let allowed = far.error + 1e-3 * total;
+                assert!(error.abs() < allowed, "{lobes:?} {normal}: {error:e} {allowed:e}");
+                for (found, exact) in far.dome.iter().zip(exact) {
+                    assert!((found - exact).abs() < largest_error * total + 1e-3 * total);
+                }
+            }
+        }
+    }
+}
+
+/// Half of the sky is hidden by a wall: what is left is half of the light, and no more rays are
+/// asked than the error needs.
+#[test]
+fn what_is_hidden_sends_nothing() {
+    let furnace = even(8, 4);
+    let lobes = diffuse(1.0);
+    let up = query(DVec3::Y, DVec3::Y, &lobes);
+    for azimuth in [0.0, 33.0, 77.0] {
+        let wall = toward(azimuth, 0.0);
+        let sight = |direction: DVec3| direction.dot(wall) > 0.0;
+        for largest_error in [0.1, 0.01] {
+            let light = furnace.light(&up, ALL, largest_error, Some(&sight));
+            let error = light.reflected.dome[0] / 0.5 - 1.0;
+            assert!(error.abs() < largest_error, "{azimuth}: {error:e}");
+            assert!(light.nodes < 2000, "{} nodes", light.nodes);
+        }
+    }
+    let nothing = |_: DVec3| false;
+    assert_eq!(furnace.light(&up, ALL, 0.01, Some(&nothing)).reflected.dome[0], 0.0);
+}
+
+fn with_sun(elevation_deg: f64) -> Environment {
+    let sun = Sun {
+        direction: toward(0.0, elevation_deg),
+        illuminance_lx: 1e5,
+        spectrum: Spectrum::constant(1.0),
+    };
+    even(2, 1).scaled(0.0).with_sun(sun)
+}
+
+#[test]
+fn sunlight_is_right_on_any_plane() {
+    for (elevation, normal) in [(90.0, DVec3::Y), (30.0, DVec3::Y), (10.0, toward(50.0, 20.0))] {
+        let environment = with_sun(elevation);
+        let lobes = diffuse(1.0);
+        let sun = reflected(&environment, &query(normal, normal, &lobes), 0.01).sun * PI;
+        let expected = 1e5 * toward(0.0, elevation).dot(normal);
+        assert!((sun / expected - 1.0).abs() < 1e-3, "{elevation}: {sun} for {expected}");
+    }
+}
+
+/// A straight edge crosses the disc: the part that is seen is a segment of the circle.
+#[test]
+fn half_shadows_are_segments_of_the_disc() {
+    let environment = with_sun(90.0);
+    let lobes = diffuse(1.0);
+    let up = query(DVec3::Y, DVec3::Y, &lobes);
+    for at in -10..=10 {
+        // From one rim of the disc to the other.
+        let t = f64::from(at) / 10.0;
+        let edge = t * SUN_RADIUS_RAD.sin();
+        let (sin, cos) = 0.7f64.sin_cos();
+        let sight = |direction: DVec3| direction.x * cos + direction.z * sin > edge;
+        let seen = environment.light(&up, ALL, 0.01, Some(&sight)).reflected.sun * PI / 1e5;
+        let expected = (t.acos() - t * (1.0 - t * t).sqrt()) / PI;
+        assert!((seen - expected).abs() < 0.01, "{t}: {seen} for {expected}");
+    }
+}
+
+/// A mirror so smooth that its lobe is narrower than the disc sees the disc's luminance.
+#[test]
+fn sharp_lobes_see_the_disc() {
+    let environment = with_sun(40.0);
+    let lobes = specular(1e6);
+    let sun = environment.sun().unwrap();
+    let normal = (sun.direction + DVec3::X).normalize();
+    let far = reflected(&environment, &query(normal, DVec3::X, &lobes), 0.01);
+    // The part of the lobe within the radius α is 1 − cosⁿ⁺¹ α.
+    let part = 1.0 - SUN_RADIUS_RAD.cos().powf(1e6 + 1.0);
+    let expected = sun.luminance() * part;
+    assert!((far.sun / expected - 1.0).abs() < 0.01, "{} for {expected}", far.sun);
+}
+
+#[test]
+fn turned_and_scaled() {
+    let environment = spotted();
+    let turned = environment.clone().turned(50.0).scaled(3.0);
+    let (before, _) = environment.seen(toward(20.0, 10.0));
+    let (after, _) = turned.seen(toward(70.0, 10.0));
+    for (before, after) in before.iter().zip(after) {
+        assert!((3.0 * before - after).abs() < 1e-9 * after.abs().max(1.0));
+    }
+    let lobes = specular(300.0);
+    let [a, b] = [(toward(20.0, 40.0), &environment), (toward(70.0, 40.0), &turned)]
+        .map(|(normal, environment)| reflected(environment, &query(normal, normal, &lobes), 0.003));
+    assert!((3.0 * a.dome[0] / b.dome[0] - 1.0).abs() < 1e-6);
 }

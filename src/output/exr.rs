@@ -271,7 +271,7 @@ fn text_attribute((key, value): (&Text, &AttributeValue)) -> Option<(String, Str
     }
 }
 
-fn read_error(path: &Path, error: ::exr::error::Error) -> Error {
+pub(super) fn read_error(path: &Path, error: ::exr::error::Error) -> Error {
     match error {
         ::exr::error::Error::Io(error) => Error::io(path, error),
         other => Error::bad_file(path, Place::File, format!("not a readable EXR file: {other}")),

@@ -3,13 +3,16 @@
 mod atomic;
 mod base64;
 mod exr;
+mod panorama;
 mod png;
+mod radiance;
 #[cfg(test)]
 pub(crate) mod scratch;
 
 pub use atomic::{write_atomically, write_csv, write_text};
 pub use base64::base64;
 pub use exr::{ExrBands, ExrInfo, read_exr, read_exr_info, write_exr, write_exr_as};
+pub use panorama::{ColorPicture, Primaries, read_color_picture};
 pub use png::{
     ColorSpace, Raster, Samples, develop_png, display_raster, encode_png, read_png, write_png,
 };

@@ -7,6 +7,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use crate::color::Photometry;
+use crate::environment::Environment;
 use crate::error::{Error, Result};
 use crate::geometry::Mesh;
 use crate::geometry::bvh::Bvh;
@@ -15,7 +16,7 @@ use crate::light::tree::LightTree;
 use crate::material::Material;
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
-pub use tables::{MaterialTables, SpectralTables};
+pub use tables::{MaterialTables, SpectralTables, SurroundingsTables};
 
 /// Index into [`Scene::materials`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -42,14 +43,45 @@ pub enum Shadows {
     On,
 }
 
+/// What a ray sees that hits nothing.
+#[derive(Debug, Clone)]
+pub enum Background {
+    /// The same everywhere, in the unit of the image; no light for lobes.
+    Even(Spectrum),
+    /// Seen by rays, and light for lobes; absolute photometry only.
+    Environment(Arc<Environment>),
+}
+
+impl Background {
+    /// Errors: values below 0; an environment in a scene whose radiance has no unit.
+    fn check(&self, photometry: Photometry) -> Result<()> {
+        match (self, photometry) {
+            (Background::Even(spectrum), _) => check_not_negative("scene: background", spectrum),
+            (Background::Environment(_), Photometry::Absolute) => Ok(()),
+            (Background::Environment(_), Photometry::Relative) => Err(Error::inconsistent(
+                "scene: background",
+                "an environment is in cd/m²: it needs photometry = \"absolute\"",
+            )),
+        }
+    }
+
+    /// None for an even background.
+    pub fn environment(&self) -> Option<&Environment> {
+        match self {
+            Background::Even(_) => None,
+            Background::Environment(environment) => Some(environment),
+        }
+    }
+}
+
 /// Everything that a script describes, before anything is built from it.
 #[derive(Debug, Clone)]
 pub struct Scene {
     pub objects: Vec<Object>,
     pub materials: Vec<Material>,
     pub lights: Vec<Light>,
-    /// What a ray sees that hits nothing, in the unit of the image.
-    pub background: Spectrum,
+    /// What a ray sees that hits nothing.
+    pub background: Background,
     /// I_a(λ), in the unit of the image.
     pub ambient: Spectrum,
     pub photometry: Photometry,
@@ -65,6 +97,8 @@ pub struct Prepared {
     pub light_trees: Vec<LightTree>,
     /// Whether shadow segments end at the object.
     pub blocks: Vec<bool>,
+    /// From any object this far on is outside of all of them, mm.
+    pub beyond_mm: f64,
     pub seconds: BuildSeconds,
     /// Per wavelength grid, resampled when it is first asked for.
     tables: [OnceLock<SpectralTables>; WavelengthGrid::ALL.len()],
@@ -85,7 +119,7 @@ impl Scene {
             check_not_negative("light: spectrum", &light.spectrum)?;
             light.power_per_lumen(WavelengthGrid::Step5)?;
         }
-        check_not_negative("scene: background", &self.background)?;
+        self.background.check(self.photometry)?;
         check_not_negative("scene: ambient", &self.ambient)
     }
 
@@ -101,8 +135,9 @@ impl Scene {
         let seconds = BuildSeconds { bvh: bvh_seconds, light_trees: start.elapsed().as_secs_f64() };
         let blocks =
             self.objects.iter().map(|o| !self.materials[o.material.0].transmits()).collect();
+        let beyond_mm = bvh.bounds().map_or(1.0, |(low, high)| 1.0 + 2.0 * low.distance(high));
         let tables = Default::default();
-        Ok(Prepared { bvh, light_trees, blocks, seconds, tables, scene: self })
+        Ok(Prepared { bvh, light_trees, blocks, beyond_mm, seconds, tables, scene: self })
     }
 
     /// What silently changes the picture, in words.
@@ -190,7 +225,7 @@ mod tests {
             objects: Vec::new(),
             materials: Vec::new(),
             lights: Vec::new(),
-            background: Spectrum::constant(0.5),
+            background: Background::Even(Spectrum::constant(0.5)),
             ambient: Spectrum::constant(0.0),
             photometry: Photometry::Relative,
             shadows: Shadows::Off,

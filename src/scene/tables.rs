@@ -1,6 +1,7 @@
 //! The scene's spectra at the bands of a wavelength grid.
 
-use super::Scene;
+use super::{Background, Scene};
+use crate::environment::{Environment, Luminances, per_lumen};
 use crate::error::Result;
 use crate::material::Material;
 use crate::spectrum::{Bands, Spectrum, WavelengthGrid, cie};
@@ -14,14 +15,48 @@ pub struct SpectralTables {
     pub materials: Vec<MaterialTables>,
     /// I_norm(λ) of each light, in W/nm per lm (eq. 12).
     pub lights: Vec<Bands>,
-    /// What a ray sees that hits nothing, in the unit of the image.
+    /// An even background, in the unit of the image.
     pub background: Bands,
+    /// Of the surroundings, if the scene has any.
+    pub surroundings: Option<SurroundingsTables>,
     /// I_a(λ), in the unit of the image.
     pub ambient: Bands,
     /// Whether any band of it is above 0.
     pub has_ambient: bool,
     /// 683 ȳ(λ) Δλ: Y of a spectrum is its product with this.
     pub luminance_weights: Bands,
+}
+
+/// The surroundings' spectra at the bands of one grid, in W/nm per lm.
+#[derive(Debug)]
+pub struct SurroundingsTables {
+    /// One a channel.
+    pub dome: Vec<Bands>,
+    /// Zero without a sun.
+    pub sun: Bands,
+}
+
+impl SurroundingsTables {
+    fn new(environment: &Environment, grid: WavelengthGrid) -> Result<Self> {
+        let bands = |spectrum| per_lumen(spectrum, grid).map(|values| Bands::from_slice(&values));
+        let sun = environment.sun().map(|sun| bands(&sun.spectrum));
+        Ok(Self {
+            dome: environment.spectra().iter().map(bands).collect::<Result<_>>()?,
+            sun: sun.unwrap_or_else(|| Ok(Bands::zero(grid.bands())))?,
+        })
+    }
+
+    /// Spectral radiance of these luminances.
+    pub fn mixed(&self, dome: &Luminances, sun: f64) -> Bands {
+        let mut mix = Bands::zero(self.sun.as_slice().len());
+        let parts = self.dome.iter().zip(dome).chain([(&self.sun, &sun)]);
+        for (bands, &luminance) in parts.filter(|(_, luminance)| **luminance > 0.0) {
+            for (sum, value) in mix.as_mut_slice().iter_mut().zip(bands.as_slice()) {
+                *sum += luminance * value;
+            }
+        }
+        mix
+    }
 }
 
 /// A material's spectra at the bands of one grid.
@@ -55,11 +90,16 @@ impl SpectralTables {
             .iter()
             .map(|light| light.power_per_lumen(grid).map(|power| Bands::from_slice(&power)));
         let ambient = on_grid(&scene.ambient);
+        let surroundings = scene.background.environment().map(|e| SurroundingsTables::new(e, grid));
         Ok(Self {
             bands: grid.bands(),
             materials: scene.materials.iter().map(|m| MaterialTables::new(m, grid)).collect(),
             lights: lights.collect::<Result<_>>()?,
-            background: on_grid(&scene.background),
+            background: match &scene.background {
+                Background::Even(spectrum) => on_grid(spectrum),
+                Background::Environment(_) => Bands::zero(grid.bands()),
+            },
+            surroundings: surroundings.transpose()?,
             has_ambient: !ambient.is_zero(),
             ambient,
             luminance_weights: Bands::from_slice(&weights),

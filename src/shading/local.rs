@@ -38,6 +38,7 @@ impl Tracer<'_> {
                 state.luminance_error += self.luminance_error(&answer, power, tables, throughput);
             }
         }
+        self.add_surroundings(surface, throughput, state, sum);
     }
 
     /// Whether any lobe on any side can return light to V.

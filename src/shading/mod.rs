@@ -2,7 +2,7 @@
 //!
 //! A camera ray becomes a binary tree of mirrored and transmitted rays. `walk` follows it, for the
 //! picture (here), for figures (`paths`) and for the check of light sums (`light_check`); `global`
-//! makes the rays that leave a hit, `local` adds what the lights send there. Each ray carries the
+//! makes the rays that leave a hit, `local` adds what the lights send there, and `surroundings` what comes from far away. Each ray carries the
 //! throughput of all bands, so the scalar sum over light samples is done once per hit and not once
 //! per band.
 
@@ -11,6 +11,7 @@ mod global;
 mod light_check;
 mod local;
 mod paths;
+mod surroundings;
 mod walk;
 
 pub use darkness::Darkness;
@@ -86,7 +87,7 @@ impl Tracer<'_> {
     pub fn trace(&self, ray: Ray, state: &mut TraceState, sum: &mut Bands) {
         state.counts.camera_rays += 1;
         self.walk(ray, state, |branch, arrival, state| match arrival {
-            Arrival::Missed => sum.add_product(&branch.throughput, &self.tables.background),
+            Arrival::Missed => self.add_background(branch, sum),
             Arrival::Cut => {}
             Arrival::Hit(surface) => self.add_local(surface, &branch.throughput, state, sum),
         });

@@ -11,7 +11,7 @@ use lampyris::light::{RaySample, RaySet};
 use lampyris::material::{Lobes, Material, SpecularLobe};
 use lampyris::program::script::{self, Settings};
 use lampyris::render::{Quality, Samples, Unwatched, render};
-use lampyris::scene::{Light, MaterialId, Object, Prepared, Scene, Shadows};
+use lampyris::scene::{Background, Light, MaterialId, Object, Prepared, Scene, Shadows};
 use lampyris::shading::TraceLimits;
 use lampyris::source::Cylinder;
 use lampyris::spectrum::{Spectrum, WavelengthGrid};
@@ -68,7 +68,7 @@ pub fn scene(objects: Vec<(Mesh, Material)>, lights: Vec<Light>) -> Scene {
         objects: meshes.into_iter().enumerate().map(object).collect(),
         materials,
         lights,
-        background: Spectrum::constant(0.0),
+        background: Background::Even(Spectrum::constant(0.0)),
         ambient: Spectrum::constant(0.0),
         photometry: Photometry::Relative,
         shadows: Shadows::Off,
@@ -104,7 +104,10 @@ pub fn busy_scene() -> Scene {
         rays: filament.rayset().expect("a good cylinder"),
         spectrum: Spectrum::blackbody(2750.0),
     };
-    Scene { background: Spectrum::constant(1e-6), ..scene(vec![(bowl, aluminium)], vec![light]) }
+    Scene {
+        background: Background::Even(Spectrum::constant(1e-6)),
+        ..scene(vec![(bowl, aluminium)], vec![light])
+    }
 }
 
 /// A view of one pixel that looks at the origin.

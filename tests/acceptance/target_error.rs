@@ -5,7 +5,7 @@ use lampyris::image::SpectralImage;
 use lampyris::image::difference::ImageDifference;
 use lampyris::material::Material;
 use lampyris::render::{Quality, RenderStats, Samples, Unwatched, render_to_target};
-use lampyris::scene::{Prepared, Scene};
+use lampyris::scene::{Background, Prepared, Scene};
 use lampyris::spectrum::Spectrum;
 use lampyris::view::View;
 
@@ -37,7 +37,10 @@ fn corner() -> Scene {
     ];
     let places = [DVec3::new(3.0, 1.0, 5.0), DVec3::new(-9.0, 6.0, 2.0)];
     let lights = places.map(|place| point_light(place, DVec3::new(0.1, -1.0, -0.8), 100.0));
-    Scene { background: Spectrum::constant(1e-3), ..scene(objects, lights.into()) }
+    Scene {
+        background: Background::Even(Spectrum::constant(1e-3)),
+        ..scene(objects, lights.into())
+    }
 }
 
 fn take(

@@ -18,6 +18,7 @@ mod camera;
 mod display;
 mod display_fit;
 mod emitter;
+mod environment;
 mod figure;
 mod file;
 mod grid_check;
@@ -81,6 +82,7 @@ fn module(lua: &Lua) -> mlua::Result<Table> {
     light::register(lua, &module)?;
     emitter::register(lua, &module)?;
     view::register(lua, &module)?;
+    environment::register(lua, &module)?;
     scene::register(lua, &module)?;
     camera::register(lua, &module)?;
     display::register(lua, &module)?;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
 
+use super::environment::BackgroundKind;
 use super::host::Host;
 use super::image::LuaImage;
 use super::kinds::{Choice, Count, Flag, Handle, Kind, List, Naming, SpectrumOrNumber, any};
@@ -22,7 +23,7 @@ use crate::program::fields::Cell;
 use crate::program::results::LIGHT_CHECK;
 use crate::program::stage::Stage;
 use crate::render;
-use crate::scene::{self, Light, MaterialId, Prepared, Scene, Shadows};
+use crate::scene::{self, Background, Light, MaterialId, Prepared, Scene, Shadows};
 use crate::spectrum::Spectrum;
 use crate::view::View;
 
@@ -42,7 +43,8 @@ options! {
             expected: "a list of raysets",
             naming: Naming::Key,
         }.or(Vec::new()),
-        background: Spectrum = SpectrumOrNumber::new("0 or more").or(Spectrum::constant(0.0)),
+        background: Background = BackgroundKind
+            .or(Background::Even(Spectrum::constant(0.0))),
         ambient: Spectrum = SpectrumOrNumber::new("0 or more").or(Spectrum::constant(0.0)),
         photometry: Photometry = Choice(&[
             ("relative", Photometry::Relative),

@@ -4,7 +4,7 @@ use super::digest::{Digest, Hasher};
 use crate::geometry::mesh::Shading;
 use crate::geometry::{DVec3, Mesh};
 use crate::light::RaySet;
-use crate::scene::{Light, Object, Scene};
+use crate::scene::{Background, Light, Object, Scene};
 
 /// Digest of all that rendering reads from `scene`.
 ///
@@ -13,7 +13,11 @@ pub fn of_scene(scene: &Scene) -> Digest {
     let Scene { objects, materials, lights, background, ambient, photometry, shadows } = scene;
     let mut hasher = Hasher::new();
     // Debug shows every field, and numbers with all their digits.
-    hasher.text(&format!("{materials:?} {background:?} {ambient:?} {photometry:?} {shadows:?}"));
+    let background = match background {
+        Background::Even(spectrum) => format!("{spectrum:?}"),
+        Background::Environment(environment) => format!("{:?}", environment.parts()),
+    };
+    hasher.text(&format!("{materials:?} {background} {ambient:?} {photometry:?} {shadows:?}"));
     for Object { mesh, material } in objects {
         hasher.text(&format!("object {material:?}"));
         add_mesh(&mut hasher, mesh);
@@ -103,7 +107,7 @@ mod tests {
                 rays: RaySet::new([sample].into(), 10.0),
                 spectrum: Spectrum::blackbody(2856.0),
             }],
-            background: Spectrum::constant(0.0),
+            background: Background::Even(Spectrum::constant(0.0)),
             ambient: Spectrum::constant(0.0),
             photometry: Photometry::Relative,
             shadows: Shadows::Off,
@@ -116,7 +120,7 @@ mod tests {
         assert_eq!(base, of_scene(&scene()));
         let changes: [fn(&mut Scene); 7] = [
             |s| s.materials[0].k_rg = 1e-300,
-            |s| s.background = Spectrum::constant(1e-30),
+            |s| s.background = Background::Even(Spectrum::constant(1e-30)),
             |s| s.shadows = Shadows::On,
             |s| s.lights[0].rays.flux_lm = 10.000000000000002,
             |s| s.lights[0].rays.world_from_local.translation.z = 1e-12,

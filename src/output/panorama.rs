@@ -1,0 +1,124 @@
+//! Pictures of colors, read for surroundings: EXR and Radiance, told apart by content.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+use ::exr::prelude::{AnyChannels, FlatSamples, ReadChannels, ReadLayers, read as read_exr};
+use glam::{DMat3, DVec3};
+
+use super::radiance;
+use crate::color::{D65_XY, REC709_XY, Xyz, xyz_from_primaries};
+use crate::error::{Error, Place, Result};
+
+/// Linear colors, row by row from the top left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColorPicture {
+    pub width: usize,
+    pub height: usize,
+    pub pixels: Vec<[f32; 3]>,
+    pub primaries: Primaries,
+    /// cd/m² of the white (1, 1, 1), or of Y = 1, where the file tells it.
+    pub cd_m2_of_one: Option<f64>,
+}
+
+/// What the three numbers of a pixel are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Primaries {
+    /// Chromaticities of red, green and blue, and of their white.
+    Rgb([[f64; 2]; 3], [f64; 2]),
+    Xyz,
+}
+
+impl ColorPicture {
+    /// Colors as XYZ; Y of white is 1.
+    pub fn colors(&self) -> impl Iterator<Item = Xyz> + Clone {
+        let xyz_from_rgb = match self.primaries {
+            Primaries::Rgb(primaries, white) => xyz_from_primaries(primaries, white),
+            Primaries::Xyz => DMat3::IDENTITY,
+        };
+        let color = move |pixel: &[f32; 3]| {
+            Xyz::from(xyz_from_rgb * DVec3::from_array(pixel.map(f64::from)))
+        };
+        self.pixels.iter().map(color)
+    }
+}
+
+/// Reads an EXR picture with channels R, G, B, or X, Y, Z, or Y alone, or a Radiance one.
+///
+/// Errors: [`Error::Io`]; [`Error::BadFile`] for other files, and for pixels that are not finite.
+pub fn read_color_picture(path: &Path) -> Result<ColorPicture> {
+    const EXR: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
+    let mut file = BufReader::new(File::open(path).map_err(|e| Error::io(path, e))?);
+    let start = file.fill_buf().map_err(|e| Error::io(path, e))?;
+    let picture = if start.starts_with(EXR) {
+        exr_picture(path)?
+    } else if radiance::MAGIC.iter().any(|magic| start.starts_with(magic)) {
+        radiance::read(path, file)?
+    } else {
+        let problem = "neither an OpenEXR nor a Radiance picture (.exr, .hdr)";
+        return Err(Error::bad_file(path, Place::File, problem));
+    };
+    match picture.pixels.iter().position(|pixel| pixel.iter().any(|v| !v.is_finite())) {
+        None => Ok(picture),
+        Some(at) => {
+            let (x, y) = (at % picture.width, at / picture.width);
+            let problem = format!("pixel ({x}, {y}) is {:?}", picture.pixels[at]);
+            Err(Error::bad_file(path, Place::File, problem))
+        }
+    }
+}
+
+fn exr_picture(path: &Path) -> Result<ColorPicture> {
+    let image = read_exr()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_file(path)
+        .map_err(|e| super::exr::read_error(path, e))?;
+    let channels = &image.layer_data.channel_data;
+    let found = [["R", "G", "B"], ["X", "Y", "Z"], ["CIE.X", "CIE.Y", "CIE.Z"], ["Y", "Y", "Y"]]
+        .into_iter()
+        .find_map(|names| Some((names[0], three(channels, names)?)));
+    let Some((first, samples)) = found else {
+        let problem = "has no channels R, G, B, nor X, Y, Z, nor Y";
+        return Err(Error::bad_file(path, Place::File, problem));
+    };
+    let shared = &image.attributes;
+    let primaries = match shared.chromaticities {
+        _ if first.ends_with('X') => Primaries::Xyz,
+        None => Primaries::Rgb(REC709_XY, D65_XY),
+        Some(given) => {
+            let xy = |at: ::exr::math::Vec2<f32>| [f64::from(at.0), f64::from(at.1)];
+            let primaries = [given.red, given.green, given.blue].map(xy);
+            Primaries::Rgb(primaries, xy(given.white))
+        }
+    };
+    let (width, height) = (image.layer_data.size.0, image.layer_data.size.1);
+    let value = |at: usize, channel: usize| value(samples[channel], at);
+    let pixels = (0..width * height).map(|at| [0, 1, 2].map(|c| value(at, c))).collect();
+    let white = image.layer_data.attributes.white_luminance;
+    let cd_m2_of_one = white.map(f64::from).filter(|white| *white > 0.0 && white.is_finite());
+    Ok(ColorPicture { width, height, pixels, primaries, cd_m2_of_one })
+}
+
+fn three<'a>(
+    channels: &'a AnyChannels<FlatSamples>,
+    names: [&str; 3],
+) -> Option<[&'a FlatSamples; 3]> {
+    let find = |name: &str| {
+        let found = channels.list.iter().find(|channel| channel.name.eq_case_insensitive(name));
+        found.map(|channel| &channel.sample_data)
+    };
+    Some([find(names[0])?, find(names[1])?, find(names[2])?])
+}
+
+fn value(samples: &FlatSamples, at: usize) -> f32 {
+    match samples {
+        FlatSamples::F16(values) => values[at].to_f32(),
+        FlatSamples::F32(values) => values[at],
+        FlatSamples::U32(values) => values[at] as f32,
+    }
+}
