@@ -1,9 +1,10 @@
-//! Ray-file readers under fuzzing: `cargo +nightly fuzz run tm25`.
+//! Readers of ray files and meshes under fuzzing: `cargo +nightly fuzz run tm25`.
 //!
 //! Formats are told apart by content, so that each target puts its format's mark in front.
 
 use std::path::Path;
 
+use lampyris::geometry::import::{self, Reading};
 use lampyris::source::rayfile;
 
 pub fn read(bytes: &[u8]) {
@@ -25,4 +26,16 @@ pub fn read_tm25(data: &[u8]) {
     bytes.resize(HEADER, 0);
     bytes.extend(rest);
     read(&bytes);
+}
+
+/// A mesh that begins with `mark`.
+pub fn read_mesh(mark: &[u8], data: &[u8]) {
+    let _ = import::from_bytes(Path::new("fuzz"), [mark, data].concat(), &Reading::default());
+}
+
+/// A binary STL file whose header fits its length.
+pub fn read_stl(data: &[u8]) {
+    let records = data.len() / 50;
+    let bytes = [&[0; 80], (records as u32).to_le_bytes().as_slice(), &data[..50 * records]].concat();
+    read_mesh(&bytes, &[]);
 }

@@ -34,7 +34,7 @@ const MANY: usize = 256;
 pub fn creased(mesh: &Mesh, crease_deg: f64, smoothing: &[(u32, Smoothing)]) -> Shading {
     let of_triangle = expand(smoothing, mesh.triangles.len());
     let n_geom: Vec<DVec3> =
-        (0..mesh.triangles.len()).map(|triangle| mesh.geometric_normal(triangle)).collect();
+        (0..mesh.triangles.len()).map(|triangle| unit_normal(mesh, triangle)).collect();
     let fans = Fans::new(mesh);
     let mut sharing = Sharing {
         cos_crease: crease_deg.to_radians().cos() - ROUNDING,
@@ -42,19 +42,32 @@ pub fn creased(mesh: &Mesh, crease_deg: f64, smoothing: &[(u32, Smoothing)]) -> 
         smoothing: &of_triangle,
         leaders: Vec::new(),
     };
-    let mut corners = vec![[FLAT; 3]; mesh.triangles.len()];
-    let mut count = 0;
-    for position in 0..mesh.positions.len() {
+    // While each position has one normal, they have the same numbers.
+    let one_each = (0..mesh.positions.len()).position(|p| !sharing.is_one(fans.around(p)));
+    let Some(first_split) = one_each else {
+        return Shading::PerPosition(means(mesh, &mesh.triangles, mesh.positions.len(), &n_geom));
+    };
+    let mut corners = mesh.triangles.clone();
+    let mut count = first_split as u32;
+    for position in first_split..mesh.positions.len() {
         count += sharing.number(fans.around(position), count, &mut corners);
     }
     drop(fans);
     shading(mesh, corners, count as usize, &n_geom)
 }
 
-fn shading(mesh: &Mesh, mut corners: Vec<[u32; 3]>, count: usize, n_geom: &[DVec3]) -> Shading {
-    if corners == mesh.triangles {
-        return Shading::PerPosition(means(mesh, &corners, count, n_geom));
+/// N_g; by way of [`Mesh::geometric_normal`] where products of lengths vanish or overflow.
+fn unit_normal(mesh: &Mesh, triangle: usize) -> DVec3 {
+    let [a, b, c] = mesh.corners(triangle);
+    let across = (b - a).cross(c - a);
+    let square = across.length_squared();
+    if square > 1e-280 && square < 1e280 {
+        return across / square.sqrt();
     }
+    mesh.geometric_normal(triangle)
+}
+
+fn shading(mesh: &Mesh, mut corners: Vec<[u32; 3]>, count: usize, n_geom: &[DVec3]) -> Shading {
     // One more, which stays zero.
     for corner in corners.as_flattened_mut() {
         *corner = (*corner).min(count as u32);
@@ -148,11 +161,7 @@ impl Sharing<'_> {
         let mut put = |corner: u32, number: u32| {
             corners[corner as usize / 3][corner as usize % 3] = number;
         };
-        let is_one = fan.iter().skip(1).all(|&corner| self.shares(fan[0], corner));
-        if is_one && fan.len() < 2 && self.is_off(fan) {
-            return 0;
-        }
-        if is_one {
+        if self.is_one(fan) {
             fan.iter().for_each(|&corner| put(corner, first));
             return 1;
         }
@@ -171,9 +180,13 @@ impl Sharing<'_> {
         count
     }
 
-    /// Whether a fan of at most one face is to be flat, or has none.
-    fn is_off(&self, fan: &[u32]) -> bool {
-        fan.iter().all(|&corner| self.smoothing_of(corner) == Smoothing::Off)
+    /// Whether the first face shares its normal with all others, so that they have one.
+    fn is_one(&self, fan: &[u32]) -> bool {
+        match fan {
+            [] => false,
+            [corner] => self.smoothing_of(*corner) != Smoothing::Off,
+            [first, others @ ..] => others.iter().all(|&corner| self.shares(*first, corner)),
+        }
     }
 
     fn part(&mut self, fan: &[u32]) {

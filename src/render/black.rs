@@ -164,12 +164,24 @@ impl Question<'_> {
     }
 
     fn of_misses(&self) -> String {
-        match self.prepared.bvh.bounds() {
-            Some((low, high)) => format!(
-                "no ray meets a surface: the view looks past the objects, which lie between {low:.1} and \
-                 {high:.1} mm"
-            ),
-            None => "no object has a triangle".to_owned(),
+        let Some((low, high)) = self.prepared.bvh.bounds() else {
+            return "no object has a triangle".to_owned();
+        };
+        let size_mm = (high - low).length();
+        let camera = self.view.camera();
+        let [x, y] = [self.view.width, self.view.height].map(|pixels| pixels as f64 / 2.0);
+        let (middle, next) = (camera.ray(x, y), camera.ray(x, y + 1.0));
+        let way = (low + high) / 2.0 - middle.origin;
+        let pixel_mm = way.length() * middle.direction.angle_between(next.direction);
+        if size_mm < pixel_mm {
+            return format!(
+                "no ray meets a surface: the objects are {size_mm:.1} mm across, a pixel \
+                 {pixel_mm:.1} mm there"
+            );
         }
+        format!(
+            "no ray meets a surface: the view looks past the objects, which lie between {low:.1} and \
+             {high:.1} mm"
+        )
     }
 }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use crate::geometry::{DVec3, Mesh, Ray};
 use crate::light::RaySample;
-use crate::scene::{MaterialId, Prepared};
+use crate::scene::{MaterialId, Prepared, Scene};
 use crate::view::View;
 
 /// Smaller scenes are lamps whose meshes were made in meters, more often than not, mm.
@@ -16,6 +16,7 @@ const AROUND: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec
 /// Warnings about the scene, for people.
 pub fn of_scene(prepared: &Prepared) -> Vec<String> {
     let mut warnings: Vec<String> = size_warning(prepared).into_iter().collect();
+    warnings.extend(unit_warnings(&prepared.scene));
     let materials = 0..prepared.scene.materials.len();
     warnings.extend(materials.filter_map(|at| body_warning(prepared, MaterialId(at))));
     let lights = 0..prepared.scene.lights.len();
@@ -43,6 +44,49 @@ fn size_warning(prepared: &Prepared) -> Option<String> {
                  \"scale\" = 1000 makes them mm"
         )
     })
+}
+
+/// Units that CAD systems write instead of mm, with their length in mm.
+const UNITS: [(&str, f64); 2] = [("m", 1000.0), ("inch", 25.4)];
+
+/// Objects so small among the others that they would fit if their lengths were in another unit.
+fn unit_warnings(scene: &Scene) -> Vec<String> {
+    let bounds: Vec<[DVec3; 2]> = scene.objects.iter().map(|o| o.mesh.bounds()).collect();
+    let whole = bounds.iter().copied().reduce(joined);
+    let largest_mm = whole.map_or(0.0, |[low, high]| (high - low).max_element());
+    let warning = |at: usize| {
+        let size = bounds[at][1] - bounds[at][0];
+        if size.max_element() > largest_mm / 10.0 {
+            return None;
+        }
+        let others = (0..bounds.len()).filter(|&other| other != at).map(|other| bounds[other]);
+        let [low, high] = others.reduce(joined)?;
+        let (unit, mm) = UNITS.into_iter().find(|&(_, mm)| fits(size * mm, high - low, mm))?;
+        let (size, rest) = (size.max_element(), (high - low).max_element());
+        Some(format!(
+            "scene: object {} is {size:.3} mm across among objects of {rest:.0} mm: is it in {unit}? \
+             unit = \"{unit}\" (factor {mm}) makes it {:.0} mm",
+            at + 1,
+            size * mm
+        ))
+    };
+    (0..bounds.len()).filter_map(warning).collect()
+}
+
+fn joined([low, high]: [DVec3; 2], [other_low, other_high]: [DVec3; 2]) -> [DVec3; 2] {
+    [low.min(other_low), high.max(other_high)]
+}
+
+/// Whether a part of this size belongs among the others: roughly as large, if it was a thousand times
+/// smaller; as long and as wide within a quarter, if only 25 times: chips of LEDs are as small.
+fn fits(size: DVec3, others: DVec3, mm: f64) -> bool {
+    let ratio = size.max_element() / others.max_element();
+    if mm > 100.0 {
+        return (0.3..3.0).contains(&ratio);
+    }
+    let is_alike = |axis: usize| (0.8..1.25).contains(&(size[axis] / others[axis]));
+    let narrowest = (0..3).min_by(|&a, &b| others[a].total_cmp(&others[b])).unwrap_or(2);
+    (0..3).filter(|&axis| axis != narrowest).all(is_alike)
 }
 
 /// `thickness` attenuates between entering and leaving, so that the surfaces of a body have to

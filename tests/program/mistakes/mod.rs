@@ -12,7 +12,7 @@ local triangle = L.mesh.load "triangle.obj"
 local cube = L.mesh.load "cube.obj"
 local paper = L.material { reflectance = 0.5, k_d = 1 }
 local lamp = L.cylinder { radius = 0.1, length = 0.2, flux = 100, spectrum = white, samples = 10 }
-local scene = L.scene { objects = { { mesh = triangle, material = paper } }, lights = { lamp } }
+local scene = L.scene { objects = { { mesh = triangle, material = paper } }, lights = { lamp }, background = 1e-6 }
 local absolute = L.scene { objects = {}, lights = { lamp }, photometry = "absolute" }
 local view = L.view { width = 8, height = 8 }
 "#;
@@ -51,23 +51,43 @@ const WARNINGS: &[[&str; 3]] = &[
     ],
     [
         "meters for millimeters",
-        "L.scene { objects = { { mesh = L.mesh.load('triangle.obj', { scale = 0.001 }), material = paper } } }:render(view)",
+        "L.scene { objects = { { mesh = L.mesh.load('triangle.obj', { scale = 0.001 }), material = paper } }, background = 1 }:render(view)",
         "scene: all objects lie within 1.000e-3 mm: are their meshes in m? \"scale\" = 1000 makes them mm",
     ],
     [
+        "one part in meters",
+        "L.scene { objects = { { mesh = cube:transform { scale = 50 }, material = paper }, { mesh = cube:transform { scale = 0.05 }, material = paper } }, background = 1 }:render(L.view { distance = 900, width = 8, height = 8 })",
+        "scene: object 2 is 0.100 mm across among objects of 100 mm: is it in m? unit = \"m\" (factor 1000) makes it 100 mm",
+    ],
+    [
+        "one part in inches",
+        "L.scene { objects = { { mesh = cube:transform { scale = 50.8 }, material = paper }, { mesh = cube:transform { scale = 2, translate = { 9, 0, 0 } }, material = paper } }, background = 1 }:render(L.view { distance = 900, width = 8, height = 8 })",
+        "scene: object 2 is 4.000 mm across among objects of 102 mm: is it in inch? unit = \"inch\" (factor 25.4) makes it 102 mm",
+    ],
+    [
         "open body with a thickness",
-        "L.scene { objects = { { mesh = triangle, material = L.material { transmittance = 0.9, k_tg = 1, thickness = 3 } } } }:render(view)",
+        "L.scene { objects = { { mesh = triangle, material = L.material { transmittance = 0.9, k_tg = 1, thickness = 3 } } }, background = 1 }:render(view)",
         "material: \"thickness\" asks for closed bodies, but 3 edges bound a hole",
     ],
     [
         "eye inside a mesh",
-        "L.scene { objects = { { mesh = cube, material = paper } } }:render(L.view { distance = 0.1, width = 8, height = 8 })",
+        "L.scene { objects = { { mesh = cube, material = paper } }, lights = { lamp } }:render(L.view { distance = 0.1, width = 8, height = 8 })",
         "view: the eye, 0.1 mm from its target, is inside a mesh: it sees only back sides",
     ],
     [
         "light inside a wall",
-        "L.scene { objects = { { mesh = cube, material = paper } }, lights = { lamp }, shadows = true }:render(view)",
+        "L.scene { objects = { { mesh = cube, material = paper } }, lights = { lamp }, shadows = true, background = 1 }:render(view)",
         "light 1: its center [-0.010, 0.000, -0.018] mm is inside an opaque mesh, behind back sides only",
+    ],
+    [
+        "scene without light",
+        "L.scene { objects = { { mesh = triangle, material = paper } } }:render(view)",
+        "the picture is black: the scene has no lights, and neither ambient light nor background",
+    ],
+    [
+        "objects smaller than a pixel",
+        "L.scene { objects = { { mesh = triangle, material = paper } }, lights = { lamp } }:render(view)",
+        "the picture is black: no ray meets a surface: the objects are 1.4 mm across, a pixel 39.3 mm there",
     ],
     [
         "lamp that is cut off",

@@ -89,7 +89,7 @@ pub const FAULTS: &[[&str; 3]] = &[
     ],
     [
         "relative intensity",
-        "scene:render(view):intensity()",
+        "L.scene { objects = { { mesh = triangle, material = L.material { reflectance = 1, k_a = 1 } } }, ambient = 1 }:render(L.view { width = 8, height = 8, distance = 40 }):intensity()",
         "intensity: needs a scene with photometry = \"absolute\": relative values have no unit",
     ],
     [

@@ -10,11 +10,14 @@ use super::polygons::{NONE, Polygons};
 use super::{Contents, Fault, Parsed};
 use crate::error::Place;
 use crate::geometry::normals::Smoothing;
-use piece::{Counts, Piece, PieceFault, Statement};
+use piece::{Counts, NOWHERE, Piece, PieceFault, Statement};
 pub(super) use scanner::{Scanner, line_of};
 
 /// Large enough that a piece costs nothing besides its bytes, small enough to share them out evenly.
 const PIECE_BYTES: usize = 1 << 18;
+
+/// Enough for many threads, few enough to stay small.
+const PIECES_AT_ONCE: usize = 32;
 
 pub(super) fn parse(bytes: Vec<u8>) -> Parsed<Contents> {
     parse_pieces(&bytes, PIECE_BYTES)
@@ -23,32 +26,23 @@ pub(super) fn parse(bytes: Vec<u8>) -> Parsed<Contents> {
 pub(super) fn parse_pieces(bytes: &[u8], piece_bytes: usize) -> Parsed<Contents> {
     let starts = starts(bytes, piece_bytes);
     let part = |at: usize| &bytes[starts[at]..starts.get(at + 1).copied().unwrap_or(bytes.len())];
-    let pieces: Vec<_> =
-        (0..starts.len()).into_par_iter().map(|at| Piece::parse(part(at), None)).collect();
     let located = |at: usize, fault: PieceFault| Fault {
         place: Place::Line(line_of(bytes, starts[at] + fault.at)),
         problem: fault.problem,
     };
     let mut whole = Whole::default();
-    let mut checked = Vec::with_capacity(pieces.len());
-    for (at, piece) in pieces.into_iter().enumerate() {
-        checked.push(piece.map_err(|fault| located(at, fault))?);
-    }
-    let totals = checked.iter().fold(Counts::default(), |sum, piece| sum.after(piece));
-    if totals.positions > NONE as usize || totals.normals > NONE as usize {
-        return Err(Fault::file("has more vertices than can be counted"));
-    }
-    let sum = |length: fn(&Piece) -> usize| checked.iter().map(length).sum();
-    whole.polygons.positions.reserve_exact(totals.positions);
-    whole.polygons.normals.reserve_exact(totals.normals);
-    whole.polygons.corners.reserve_exact(sum(|piece| piece.corners.len()));
-    whole.polygons.ends.reserve_exact(sum(|piece| piece.ends.len()));
-    for (at, piece) in checked.into_iter().enumerate() {
-        if !whole.add(piece, totals) {
-            // Once more, to find the line.
-            let fault = Piece::parse(part(at), Some((whole.before, totals))).err();
-            return Err(fault.map_or_else(|| Fault::file("bad index"), |f| located(at, f)));
+    // A few at a time: what they held is used again for the next.
+    for first in (0..starts.len()).step_by(PIECES_AT_ONCE) {
+        let all = first..starts.len().min(first + PIECES_AT_ONCE);
+        let pieces: Vec<_> = all.into_par_iter().map(|at| Piece::parse(part(at), None)).collect();
+        for (at, piece) in (first..).zip(pieces) {
+            whole.add(piece.map_err(|fault| located(at, fault))?)?;
         }
+    }
+    if let Some(at) = whole.wrong_piece() {
+        // Once more, to find the line.
+        let fault = Piece::parse(part(at), Some((whole.before[at], whole.counts))).err();
+        return Err(fault.map_or_else(|| Fault::file("bad index"), |f| located(at, f)));
     }
     Ok(whole.finish())
 }
@@ -76,22 +70,27 @@ fn starts(bytes: &[u8], piece_bytes: usize) -> Vec<usize> {
 #[derive(Default)]
 struct Whole {
     polygons: Polygons,
-    before: Counts,
+    counts: Counts,
+    /// Counts before each piece, and where its corners begin.
+    before: Vec<Counts>,
+    first_corners: Vec<usize>,
     run: Option<Run>,
-    missing_normals: usize,
     free_forms: usize,
 }
 
 impl Whole {
-    /// Whether all of the piece's places are there.
-    fn add(&mut self, mut piece: Piece, totals: Counts) -> bool {
-        let after = self.before.after(&piece);
-        if !piece.resolve(self.before, totals) {
-            return false;
-        }
-        self.before = after;
+    /// Errors: more vertices than can be counted.
+    fn add(&mut self, mut piece: Piece) -> Parsed<()> {
         let polygons = &mut self.polygons;
         let (first_corner, first_polygon) = (polygons.corners.len(), polygons.ends.len() as u32);
+        self.before.push(self.counts);
+        self.first_corners.push(first_corner);
+        piece.settle(self.counts);
+        self.counts = self.counts.after(&piece);
+        let most = self.counts.positions.max(self.counts.normals);
+        if most.max(first_corner + piece.corners.len()) >= NOWHERE as usize {
+            return Err(Fault::file("has more vertices or corners than can be counted"));
+        }
         polygons.positions.append(&mut piece.positions);
         polygons.normals.append(&mut piece.normals);
         polygons.corners.append(&mut piece.corners);
@@ -100,12 +99,35 @@ impl Whole {
             polygons.corner_normals.append(&mut piece.corner_normals);
         }
         polygons.ends.extend(piece.ends.iter().map(|end| first_corner as u32 + end));
-        self.missing_normals += piece.missing_normals;
         self.free_forms += piece.free_forms;
         for (polygon, statement) in piece.statements {
             self.note(first_polygon + polygon, statement);
         }
-        true
+        Ok(())
+    }
+
+    /// The piece that holds the first corner whose position is not there.
+    fn wrong_piece(&self) -> Option<usize> {
+        let count = self.counts.positions;
+        let wrong = self.polygons.corners.iter().position(|&place| place as usize >= count)?;
+        Some(self.first_corners.partition_point(|&first| first <= wrong) - 1)
+    }
+
+    /// Corners lose normals that are not there; how many do.
+    fn drop_missing_normals(&mut self) -> usize {
+        let polygons = &mut self.polygons;
+        if polygons.corner_normals.is_empty() {
+            return 0;
+        }
+        polygons.corner_normals.resize(polygons.corners.len(), NONE);
+        let mut missing = 0;
+        for place in &mut polygons.corner_normals {
+            if *place as usize >= self.counts.normals && *place != NONE {
+                missing += 1;
+                *place = NONE;
+            }
+        }
+        missing
     }
 
     fn note(&mut self, first: u32, statement: Statement) {
@@ -122,19 +144,17 @@ impl Whole {
     }
 
     fn finish(mut self) -> Contents {
+        let missing_normals = self.drop_missing_normals();
         let polygons = &mut self.polygons;
-        if !polygons.corner_normals.is_empty() {
-            polygons.corner_normals.resize(polygons.corners.len(), NONE);
-        }
         if polygons.parts.runs.first().is_none_or(|run| run.first > 0) {
             polygons.parts.runs.insert(0, Run::START);
         }
         polygons.finish();
         let mut warnings = Vec::new();
-        if self.missing_normals > 0 {
+        if missing_normals > 0 {
             warnings.push(format!(
                 "{} corners name a normal that is not there: their faces' normals are made",
-                self.missing_normals
+                missing_normals
             ));
         }
         if self.free_forms > 0 {

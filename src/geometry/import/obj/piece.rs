@@ -54,7 +54,6 @@ pub(super) struct Piece<'a> {
     /// Corners whose index was negative.
     relative: Vec<u32>,
     relative_normals: Vec<u32>,
-    pub missing_normals: usize,
     pub free_forms: usize,
     known: Known,
 }
@@ -178,29 +177,18 @@ impl<'a> Piece<'a> {
         Ok(())
     }
 
-    /// Turns all places into those of the whole file; whether all positions are there.
-    pub fn resolve(&mut self, before: Counts, totals: Counts) -> bool {
+    /// Turns all places into those of the whole file, whether there or not.
+    pub fn settle(&mut self, before: Counts) {
         settle(&mut self.corners, &self.relative, before.positions);
-        if self.corners.iter().any(|&place| place as usize >= totals.positions) {
-            return false;
+        if !self.corner_normals.is_empty() {
+            self.corner_normals.resize(self.corners.len(), NONE);
+            settle(&mut self.corner_normals, &self.relative_normals, before.normals);
         }
-        if self.corner_normals.is_empty() {
-            return true;
-        }
-        self.corner_normals.resize(self.corners.len(), NONE);
-        settle(&mut self.corner_normals, &self.relative_normals, before.normals);
-        for place in &mut self.corner_normals {
-            if *place as usize >= totals.normals && *place != NONE {
-                self.missing_normals += 1;
-                *place = NONE;
-            }
-        }
-        true
     }
 }
 
 /// A place that is never there.
-const NOWHERE: u32 = NONE - 1;
+pub(super) const NOWHERE: u32 = NONE - 1;
 
 /// From 0; for a negative index how far after `count` of the piece, as i32.
 fn place(index: i64, count: usize) -> u32 {

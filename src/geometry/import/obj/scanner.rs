@@ -54,8 +54,8 @@ impl<'a> Scanner<'a> {
     pub fn is_at_word(&mut self) -> bool {
         loop {
             match self.peek() {
-                b' ' | b'\t' | b'\x0b' | b'\x0c' | 0 => self.at += 1,
                 b'\n' | b'\r' | b'#' => return false,
+                0..=b' ' => self.at += 1,
                 b'\\' => match self.continued() {
                     Some(at) => self.at = at,
                     None => return true,
