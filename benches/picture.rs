@@ -71,7 +71,7 @@ fn shoot(lamp: &Prepared, light_error: f64) {
     let quality = Quality {
         samples: Samples::Fixed(1),
         limits: TraceLimits { light_error, ..LIMITS },
-        grid: WavelengthGrid::Step5,
+        ..Quality::default()
     };
     render(lamp, &view(), &quality, &Unwatched).expect("a good picture");
 }

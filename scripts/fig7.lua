@@ -25,10 +25,10 @@ local report = paper.report("fig7", "Fig. 7: RAYSET of a P21W, 100 rays")
 report:figure("fig7", lampyris.figure {
   width = 1100, height = 560, columns = 2,
   panels = {
-    { title = "P21W, 100 rays", segments = segments, azimuth = 25, elevation = 25 },
-    { title = "from the bulb's tip", segments = segments, azimuth = 0, elevation = 0 },
+    { title = "P21W, 100 rays", segments = segments, dots = true, azimuth = 25, elevation = 25 },
+    { title = "from the bulb's tip", segments = segments, dots = true, azimuth = 0, elevation = 0 },
   },
-}, ("start points and directions; each ray is drawn %g mm long"):format(ray_length))
+}, ("start points (green) and directions (white); each ray is drawn %g mm long"):format(ray_length))
 report:compare("rays", #rays, 100)
 report:compare("flux (lm; the paper's column: UN R37)", flux, 460)
 report:compare("extent along the filament (mm; UN R37)", high - low, "at most 7")

@@ -66,7 +66,29 @@ local function save_pngs(image, name, white)
   end
 end
 
---- Renders each shot, and saves it as EXR and as PNG for the paper's display and for sRGB.
+--- The lamp at dusk, in cd/m²: with shadows, before a background that is not black.
+function model.dusk(built, shot, samples)
+  return lampyris.scene {
+    objects = built.objects, lights = model.lights(built, shot, samples),
+    photometry = "absolute", shadows = true,
+    background = lampyris.spectrum.illuminant "D65" * model.dusk_background,
+  }
+end
+
+--- Of the sky at dusk: 4 cd/m².
+model.dusk_background = 4 / select(2, lampyris.spectrum.illuminant "D65":xyz())
+
+--- The view of a shot, near enough that the lamp fills it.
+function model.close_view(shot, width)
+  return lampyris.view {
+    azimuth = shot.azimuth or 0,
+    distance = 3000, target = { 0, 5, 60 }, fov = 4.2,
+    width = width, height = math.max(1, width * 9 // 20),
+  }
+end
+
+--- Renders each shot: as the paper has it (EXR, and PNG for the paper's display and for sRGB), and
+-- at dusk, as an eye and as a camera see it.
 -- The script's arguments: picture width, mesh coarseness, light samples a bulb.
 function model.render(options)
   local width, coarseness = tonumber(arg[1]) or 640, tonumber(arg[2]) or 1
@@ -75,9 +97,16 @@ function model.render(options)
   print(("%s: %d triangles"):format(built.name, built.triangle_count))
   local scenes = {} -- one for all shots of the same burning bulbs
   for _, shot in ipairs(built.shots) do
-    scenes[shot.lit] = scenes[shot.lit] or model.scene(built, shot, samples)
-    local image = scenes[shot.lit]:render(model.view(shot, width), { samples = 4 })
+    scenes[shot.lit] = scenes[shot.lit] or {
+      dusk = model.dusk(built, shot, samples),
+      paper = model.scene(built, shot, samples),
+    }
     local name = built.name .. "_" .. shot.name
+    local dusk = scenes[shot.lit].dusk:render(model.close_view(shot, width), { samples = 4 })
+    dusk:save(name .. "_seen.png", { look = "seen" })
+    dusk:save(name .. "_camera.png", { look = "camera" })
+    print(("%s_seen.png: %.1f s"):format(name, dusk.stats.seconds))
+    local image = scenes[shot.lit].paper:render(model.view(shot, width), { samples = 4 })
     print(("%s: %.1f s"):format(name, image.stats.seconds))
     image:save(name .. ".exr")
     save_pngs(image, name, shot.white)

@@ -99,7 +99,9 @@ fn models_render() {
     for (name, view) in MODELS {
         let output = run(name, &["32", "6", "100"]);
         assert!(output.has(&format!("{name}_{view}.exr")), "{name}");
-        assert!(output.has(&format!("{name}_{view}_srgb.png")), "{name}");
+        for look in ["srgb", "t766", "seen", "camera"] {
+            assert!(output.has(&format!("{name}_{view}_{look}.png")), "{name}: {look}");
+        }
     }
 }
 

@@ -617,6 +617,7 @@ function lampyris.image.sum(terms) end
 ---@operator mul(number): Image
 ---@field width integer
 ---@field height integer
+---@field layers table<string, Image>  parts that add up to the image: "light 1", …, "surroundings", or "direct", "mirrored", "transmitted"
 ---@field stats? ImageStats  nil unless this script rendered the image
 local Image = {}
 
@@ -711,13 +712,19 @@ function Image:false_color(options) end
 ---@field mean_delta_e_2000 number
 ---@field max_delta_e_2000 number
 
+---@class HdrOptions
+
+---@class JpegOptions
+
+---@class TiffOptions
+
 ---@class ExrOptions
 ---@field bands? "float"|"half"|"pxr24"|"none"  of which float reads back bit for bit; default "float"
 
----Writes an EXR file or a PNG file.
----@param path string  below the output folder, ending in .exr or .png
----@param options? PngOptions|ExrOptions
----@return PngReport  of a PNG file
+---Writes light (.exr, .hdr) or a picture of it (.png, .jpg, .tif).
+---@param path string  below the output folder
+---@param options? PngOptions|JpegOptions|TiffOptions|ExrOptions|HdrOptions
+---@return PngReport  of a picture
 function Image:save(path, options) end
 
 -- Cameras ---------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ use super::exposure::Exposure;
 use super::model::Display;
 use crate::color::{D65_XY, Xyz};
 use crate::error::{Error, Result};
-use crate::image::{AUTO_PERCENT, SpectralImage};
+use crate::image::SpectralImage;
 use crate::spectrum::{Spectrum, WavelengthGrid, cie};
 use crate::statistics::percentile;
 
@@ -32,6 +32,9 @@ pub struct Camera {
     /// Chromaticity that the white balance makes neutral.
     pub white_xy: [f64; 2],
 }
+
+/// A camera meters the scene, and lets a lamp before a dark background overexpose.
+const METERED_PERCENT: f64 = 95.0;
 
 static NIKON_D5100: LazyLock<[Spectrum; 3]> = LazyLock::new(|| {
     let text = include_str!("../../data/cameras/nikon_d5100_npl.csv");
@@ -131,7 +134,7 @@ impl Camera {
         }
     }
 
-    /// Of a white of 1 cd/m², in the unit of Σ S I Δλ · 683.
+    /// Channels of a white of 1 cd/m², in the unit of Σ S I Δλ · 683.
     fn white_raw(&self) -> Result<DVec3> {
         let white = self.xyz_from_raw()?.inverse() * DVec3::from(Xyz::from_xy(self.white_xy, 1.0));
         if white.is_finite() && white.min_element() > 0.0 {
@@ -142,11 +145,11 @@ impl Camera {
         Err(Error::out_of_range("camera", "white", format!("({x}, {y})"), allowed))
     }
 
-    /// The factor that fills the brightest channel of the [`AUTO_PERCENT`] percentile.
+    /// The factor that fills the brightest channel of the [`METERED_PERCENT`] percentile.
     pub(super) fn auto_factor(&self, raw: &[[f64; 3]]) -> f64 {
         let mut brightest: Vec<f64> =
             raw.iter().map(|p| p.iter().copied().fold(0.0, f64::max)).collect();
-        let level = [AUTO_PERCENT, 100.0].map(|p| percentile(&mut brightest, p).unwrap_or(0.0));
+        let level = [METERED_PERCENT, 100.0].map(|p| percentile(&mut brightest, p).unwrap_or(0.0));
         let level = level.into_iter().find(|&level| level > 0.0);
         level.map_or(1.0, |level| self.full_well / level)
     }

@@ -9,13 +9,16 @@ use rustfft::{Fft, FftPlanner};
 
 /// Weights by distance, even in x and y.
 pub struct Kernel {
+    /// Offsets in x, from 0 on.
     pub width: usize,
+    /// Offsets in y, from 0 on.
     pub height: usize,
     /// For offsets 0 … width − 1 and 0 … height − 1, rows of x.
     pub quadrant: Vec<f64>,
 }
 
 impl Kernel {
+    /// Asks `weight` for each offset, on all threads.
     pub fn from_fn(
         width: usize,
         height: usize,
@@ -40,11 +43,12 @@ pub struct Convolver {
     row_inverse: Arc<dyn ComplexToReal<f64>>,
     column_forward: Arc<dyn Fft<f64>>,
     column_inverse: Arc<dyn Fft<f64>>,
-    /// Of the kernel, scaled for the round trip; laid out as [`Self::forward`] returns it.
+    /// The kernel's spectrum, scaled for the round trip; laid out as [`Self::forward`] returns it.
     spectrum: Vec<Complex<f64>>,
 }
 
 impl Convolver {
+    /// Transforms the kernel.
     pub fn new(kernel: &Kernel) -> Self {
         let (width, height) = (kernel.width, kernel.height);
         let [padded_width, padded_height] = [width, height].map(|n| fast_length(2 * n - 1));

@@ -26,14 +26,17 @@ pub const PQ_MAX_CD_M2: f64 = 10_000.0;
 /// output, which eq. 8 would lift to the end of the dead zone.
 const NO_LIGHT: f64 = 1e-12;
 
+/// The straight line of a tone curve near black.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Toe {
+    /// Light per signal.
     pub slope: f64,
     /// Signal up to which the line holds.
     pub end: f64,
 }
 
 impl Curve {
+    /// Eq. 5: gain, offset and gamma.
     pub const fn gog(gain: f64, offset: f64, gamma: f64) -> Self {
         Self { gain, offset, gamma, toe: None, pq_peak_cd_m2: None }
     }

@@ -11,13 +11,16 @@ use crate::fit::{Estimate, Residual, Table, check_table, minimize};
 pub struct RampPatch {
     /// 0 to 2ⁿ − 1.
     pub digit: f64,
+    /// What was measured.
     pub light: Light,
 }
 
 /// cd/m².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
+    /// Y alone, cd/m².
     Luminance(f64),
+    /// X, Y and Z, cd/m².
     Xyz(Xyz),
 }
 
@@ -34,6 +37,7 @@ impl Light {
 /// A display as it was measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DisplayMeasurement {
+    /// What the display is called.
     pub name: String,
     /// Red, green and blue, each alone, by ascending digit; the last digit is 2ⁿ − 1.
     pub ramps: [Vec<RampPatch>; 3],
@@ -41,23 +45,29 @@ pub struct DisplayMeasurement {
     pub matrix: Option<[[f64; 3]; 3]>,
     /// XYZ_black of eq. 6, cd/m², which is in every patch; 0 if it was subtracted from them.
     pub black: Xyz,
+    /// Bits of a channel, 1 to 16.
     pub bits: u32,
 }
 
 /// The model of a measured display, and how well its curves fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DisplayFit {
+    /// The model that fits best.
     pub display: Display,
+    /// How well it fits red, green and blue.
     pub channels: [ChannelFit; 3],
 }
 
 /// k_g and γ of a channel; k_o = 1 − k_g.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChannelFit {
+    /// k_g; k_o is 1 − k_g.
     pub gain: f64,
+    /// γ.
     pub gamma: f64,
     /// Standard errors, from the covariance.
     pub gain_error: f64,
+    /// Standard error of γ.
     pub gamma_error: f64,
     /// Root mean square residual, relative to the channel's maximum.
     pub rms: f64,

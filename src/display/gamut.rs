@@ -16,6 +16,7 @@ pub enum Gamut {
 /// How much of an image is out of gamut, and how far.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct GamutReport {
+    /// All pixels, inside and outside.
     pub pixels: usize,
     /// Outside: darker than the display's black.
     pub too_dark: usize,
@@ -25,10 +26,12 @@ pub struct GamutReport {
     pub too_saturated: usize,
     /// Mean over the pixels outside, between the color wanted and shown; 0 if there are none.
     pub mean_delta_e_2000: f64,
+    /// Largest over the pixels outside; 0 if there are none.
     pub max_delta_e_2000: f64,
 }
 
 impl GamutReport {
+    /// Pixels whose color the display does not have.
     pub fn outside(&self) -> usize {
         self.too_dark + self.too_bright + self.too_saturated
     }
@@ -62,6 +65,7 @@ pub struct GamutMap<'a> {
 }
 
 impl<'a> GamutMap<'a> {
+    /// Works out what the display can show.
     pub fn new(display: &'a Display, gamut: Gamut) -> Self {
         let black = display.xyz_from_digits([0.0; 3]);
         let range = display.curves().map(|curve| [curve.light(0.0), curve.light(1.0)]);

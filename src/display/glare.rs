@@ -11,6 +11,7 @@ use super::convolve::{Convolver, Kernel};
 use crate::color::Xyz;
 use crate::error::{Error, Result};
 use crate::image::XyzImage;
+use crate::statistics::percentile;
 
 /// Whose eye, and how much of its glare.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -83,8 +84,9 @@ pub struct GlareReport {
 
 /// `image` as an eye sees it whose view of it is `fov_deg` high.
 ///
-/// The point-spread is taken at the angles of a source in the middle of the image; light that it
-/// sends out of the frame is counted and gone, and none comes in from beyond.
+/// The point-spread is taken at the angles of a source in the middle of the image. Light that it
+/// sends out of the frame is counted and gone; from beyond comes that of a field as bright as the
+/// border mostly is (by its medians), so that a background does not darken toward the border.
 /// Errors: [`Error::OutOfRange`] for an age, pigment, strength or field of view that no eye has; a
 /// pixel that is not finite, named.
 pub fn apply_glare(
@@ -108,11 +110,42 @@ pub fn apply_glare(
         convolver.apply(&plane)
     });
     let pixels = x.iter().zip(&y).zip(&z).map(|((&x, &y), &z)| Xyz::new(x, y, z)).collect();
-    let seen = XyzImage { width: image.width, height: image.height, pixels };
+    let mut seen = XyzImage { width: image.width, height: image.height, pixels };
     let luminance = |image: &XyzImage| image.pixels.iter().map(|c| c.y).sum::<f64>();
     let (before, after) = (luminance(image), luminance(&seen));
     let lost_share = if before > 0.0 { 1.0 - after / before } else { 0.0 };
+    add_from_beyond(&mut seen, border(image), &convolver);
     Ok((seen, GlareReport { lost_share }))
+}
+
+/// Light from a field beyond the frame: of a field that goes on, a pixel gets as much as it sends
+/// away, so what is missing from within comes from beyond.
+fn add_from_beyond(seen: &mut XyzImage, beyond: Xyz, convolver: &Convolver) {
+    if beyond == Xyz::default() {
+        return;
+    }
+    let from_within = convolver.apply(&vec![1.0; seen.pixels.len()]);
+    for (pixel, within) in seen.pixels.iter_mut().zip(from_within) {
+        *pixel = *pixel + beyond * (1.0 - within).max(0.0);
+    }
+}
+
+/// Medians of the pixels along the frame: a lamp that is cut off does not go on.
+fn border(image: &XyzImage) -> Xyz {
+    let (width, height) = (image.width, image.height);
+    let is_border = |at: usize| {
+        let (x, y) = (at % width, at / width);
+        x == 0 || y == 0 || x + 1 == width || y + 1 == height
+    };
+    let pixels: Vec<[f64; 3]> = (0..image.pixels.len())
+        .filter(|&at| is_border(at))
+        .map(|at| image.pixels[at].into())
+        .collect();
+    let median = |c: usize| {
+        let mut values: Vec<f64> = pixels.iter().map(|pixel| pixel[c]).collect();
+        percentile(&mut values, 50.0).unwrap_or(0.0)
+    };
+    Xyz::new(median(0), median(1), median(2))
 }
 
 /// Light that a pixel sends to the pixels around it, one quadrant.
@@ -131,7 +164,7 @@ fn glare_kernel(image: &XyzImage, fov_deg: f64, glare: &Glare) -> Kernel {
 /// Integrates the point-spread over squares of the image plane, in pixels from the source.
 struct Cell<'a> {
     glare: &'a Glare,
-    /// Of a pixel, where the image plane is at distance 1.
+    /// Side of a pixel where the image plane is at distance 1.
     pitch: f64,
     share: f64,
 }
@@ -274,6 +307,23 @@ mod tests {
         let ratio = at(11, 4) / (density * pitch * pitch);
         // The spread is convex over the pixel, hence 1.5 % more than in its middle.
         assert!((1.0..1.05).contains(&ratio), "{ratio}");
+    }
+
+    #[test]
+    fn an_even_field_stays_even() {
+        let field = Xyz::new(2.0, 3.0, 0.5);
+        let image = XyzImage { width: 23, height: 11, pixels: vec![field; 23 * 11] };
+        for fov_deg in [0.5, 20.0] {
+            let (seen, report) = apply_glare(&image, fov_deg, &Glare::default()).unwrap();
+            for pixel in &seen.pixels {
+                // FFT rounding.
+                assert!(
+                    (pixel.y - 3.0).abs() < 1e-12 && (pixel.z - 0.5).abs() < 1e-12,
+                    "{pixel:?}"
+                );
+            }
+            assert!(report.lost_share > 0.0);
+        }
     }
 
     #[test]

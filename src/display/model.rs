@@ -21,7 +21,9 @@ pub struct Display {
 /// What [`Display::new`] is made from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DisplayParameters {
+    /// What the display is called.
     pub name: String,
+    /// Tone curves of red, green and blue.
     pub curves: [Curve; 3],
     /// Rows X, Y, Z; columns R, G, B; cd/m².
     pub matrix: [[f64; 3]; 3],
@@ -190,6 +192,7 @@ impl Display {
         &self.name
     }
 
+    /// Tone curves of red, green and blue.
     pub fn curves(&self) -> &[Curve; 3] {
         &self.curves
     }
@@ -199,10 +202,12 @@ impl Display {
         self.xyz_from_rgb
     }
 
+    /// XYZ_black of eq. 6, cd/m².
     pub fn black(&self) -> Xyz {
         self.black
     }
 
+    /// Bits of a channel, 1 to 16.
     pub fn bits(&self) -> u32 {
         self.bits
     }

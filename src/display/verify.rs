@@ -18,9 +18,13 @@ pub struct Patch {
 /// A patch, and what the model says of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PatchError {
+    /// Digits, and what was measured.
     pub patch: Patch,
+    /// What the model shows for the digits, cd/m².
     pub predicted: Xyz,
+    /// CIE 1976 difference of prediction and measurement.
     pub delta_e_ab: f64,
+    /// CIEDE2000 difference of prediction and measurement.
     pub delta_e_2000: f64,
     /// L* predicted minus measured.
     pub lightness_error: f64,
@@ -31,11 +35,15 @@ pub struct PatchError {
 pub struct Verification {
     /// ΔE*ab, as in Table 3.
     pub mean: f64,
+    /// Largest ΔE*ab.
     pub max: f64,
+    /// Mean CIEDE2000.
     pub mean_2000: f64,
+    /// Largest CIEDE2000.
     pub max_2000: f64,
     /// In the order of the patches.
     pub patches: Vec<PatchError>,
+    /// What the differences say about the model.
     pub verdict: Verdict,
 }
 

@@ -12,6 +12,7 @@ use crate::statistics::percentile;
 /// what a picture of it would show as white.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImageDifference {
+    /// Pixels that were compared.
     pub lit_pixels: usize,
     /// Root mean square of (Y − Y_ref)/Y_ref.
     pub relative_rms: f64,
@@ -19,6 +20,7 @@ pub struct ImageDifference {
     pub worst: f64,
     /// CIEDE2000 as displayed: white is D65 with the luminance that auto exposure takes for it.
     pub mean_delta_e_2000: f64,
+    /// CIEDE2000 that 95 % of the lit pixels do not exceed.
     pub percentile_95_delta_e_2000: f64,
     /// √(Σ (I − I_ref)² / Σ I_ref²) over lit pixels and bands of the reference.
     pub spectral_rms: f64,
@@ -73,7 +75,7 @@ fn white_of(reference: &XyzImage) -> Result<Xyz> {
     Ok(Xyz::from_xy(D65_XY, luminance))
 }
 
-/// Of a picture with these luminances; 0 if all are.
+/// What counts as lit in a picture with these luminances; 0 if all are.
 fn white_luminance(mut luminances: Vec<f64>) -> f64 {
     let shares = [AUTO_PERCENT, 100.0].map(|percent| percentile(&mut luminances, percent));
     shares.into_iter().flatten().find(|&luminance| luminance > 0.0).unwrap_or(0.0)

@@ -1,5 +1,6 @@
 //! What a render returns, and its tristimulus values.
 
+/// How far an image is from a reference.
 pub mod difference;
 mod sum;
 
@@ -24,20 +25,35 @@ pub const AUTO_PERCENT: f64 = 99.5;
 /// Unit: W·m⁻²·sr⁻¹·nm⁻¹ in absolute photometry, without a unit in relative.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralImage {
+    /// Pixels of a row.
     pub width: usize,
+    /// Rows.
     pub height: usize,
+    /// Wavelengths of the bands.
     pub grid: WavelengthGrid,
     /// Row 0 on top, pixel-major: value of `band` at `pixel * grid.bands() + band`.
     pub bands: Vec<f32>,
+    /// Whether the values have a unit.
     pub photometry: Photometry,
     /// Standard error of each pixel's luminance, in its unit.
     pub error: Option<Vec<f32>>,
     /// Camera rays traced for each pixel.
     pub samples: Option<Vec<f32>>,
+    /// Parts that add up to the picture, by where their light came from; none unless asked for.
+    pub layers: Vec<Layer>,
     /// From where it was seen; `None` where nobody knows.
     pub view: Option<View>,
     /// What made the image, in plain words.
     pub metadata: Metadata,
+}
+
+/// A part of a picture: the light that came one way.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Layer {
+    /// As `light 1`, `mirrored`.
+    pub name: String,
+    /// As [`SpectralImage::bands`].
+    pub bands: Vec<f32>,
 }
 
 /// Key (`script`, `view`, `quality`, `version`, …) and value.
@@ -54,8 +70,23 @@ impl SpectralImage {
             photometry,
             error: None,
             samples: None,
+            layers: Vec::new(),
             view: None,
             metadata: Metadata::new(),
+        }
+    }
+
+    /// A layer as a picture of its own.
+    pub fn layer(&self, layer: &Layer) -> Self {
+        let mut metadata = self.metadata.clone();
+        metadata.insert("layer".to_owned(), layer.name.clone());
+        Self {
+            bands: layer.bands.clone(),
+            layers: Vec::new(),
+            error: None,
+            samples: None,
+            metadata,
+            ..*self
         }
     }
 
@@ -108,13 +139,18 @@ fn weigh(bands: &[f32], cmf: &[[f64; 3]]) -> Xyz {
 /// Pixels `x .. x + width`, `y .. y + height`, 0-based from the top left.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Region {
+    /// Pixels from the left.
     pub x: usize,
+    /// Pixels from the top.
     pub y: usize,
+    /// Pixels of a row.
     pub width: usize,
+    /// Rows.
     pub height: usize,
 }
 
 impl Region {
+    /// One pixel.
     pub fn pixel(x: usize, y: usize) -> Self {
         Self { x, y, width: 1, height: 1 }
     }
@@ -150,8 +186,11 @@ fn check_span(names: [&str; 2], [start, length]: [usize; 2], limit: usize) -> Re
 /// rounded once, to the display's digits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct XyzImage {
+    /// Pixels of a row.
     pub width: usize,
+    /// Rows.
     pub height: usize,
+    /// Row by row from the top.
     pub pixels: Vec<Xyz>,
 }
 

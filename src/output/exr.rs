@@ -11,10 +11,12 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use ::exr::image::Blocks;
+use ::exr::math::Vec2;
 use ::exr::meta::attribute::Chromaticities;
 use ::exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image, Layer,
-    LayerAttributes, LineOrder, MetaData, ReadChannels, ReadLayers, Text, WritableImage, f16, read,
+    AnyChannel, AnyChannels, AttributeValue, Compression, Encoding, FlatSamples, Image,
+    ImageAttributes, IntegerBounds, Layer, LayerAttributes, LineOrder, MetaData, ReadChannels,
+    ReadLayers, Text, WritableImage, f16, read,
 };
 
 use super::atomic::write_atomically;
@@ -57,10 +59,11 @@ pub fn write_exr_as(path: &Path, image: &SpectralImage, bands: ExrBands) -> Resu
     if image.width == 0 || image.height == 0 {
         return Err(Error::inconsistent("image", "has no pixels"));
     }
-    let layer = Layer::new(
-        (image.width, image.height),
-        attributes(image, bands),
-        Encoding {
+    let part = |image: &SpectralImage, name: Option<&str>| {
+        let mut attributes = attributes(image, bands);
+        attributes.layer_name = name.map(text);
+        let size = (image.width, image.height);
+        let encoding = Encoding {
             compression: match bands {
                 ExrBands::Pxr24 => Compression::PXR24,
                 _ => Compression::ZIP16,
@@ -68,16 +71,25 @@ pub fn write_exr_as(path: &Path, image: &SpectralImage, bands: ExrBands) -> Resu
             blocks: Blocks::ScanLines,
             // In order, whichever thread compressed a block.
             line_order: LineOrder::Increasing,
-        },
-        AnyChannels::sort(channels(image, bands).into_iter().collect()),
-    );
-    let mut exr = Image::from_layer(layer);
+        };
+        let channels = AnyChannels::sort(channels(image, bands).into_iter().collect());
+        Layer::new(size, attributes, encoding, channels)
+    };
+    // A part of its own for each layer; without layers the file has one part, without a name.
+    let name = (!image.layers.is_empty()).then_some(WHOLE);
+    let layers = image.layers.iter().map(|layer| part(&image.layer(layer), Some(&layer.name)));
+    let parts: Vec<_> = std::iter::once(part(image, name)).chain(layers).collect();
+    let window = IntegerBounds::from_dimensions((image.width, image.height));
+    let mut exr = Image::from_layers(ImageAttributes::new(window), parts);
     exr.attributes.chromaticities = Some(rec709_chromaticities());
     write_atomically(path, |file| {
         exr.write().to_unbuffered(&mut *file).map_err(io_error)?;
         sort_attributes(file)
     })
 }
+
+/// Name of the part that holds all light, in a file of several.
+const WHOLE: &str = "all";
 
 fn io_error(error: ::exr::error::Error) -> io::Error {
     match error {
@@ -198,15 +210,29 @@ fn string(text: &Text) -> String {
 /// would differ from run to run. Sorting moves nothing that follows the header.
 fn sort_attributes(file: &mut File) -> io::Result<()> {
     const MAGIC_AND_VERSION: u64 = 8;
-    file.seek(SeekFrom::Start(MAGIC_AND_VERSION))?;
-    let mut attributes = Vec::new();
-    let mut input = BufReader::new(&mut *file);
-    while let Some(attribute) = read_attribute(&mut input)? {
-        attributes.push(attribute);
+    /// A bit of the version's second byte.
+    const MULTIPART: u8 = 0x10;
+    let mut version = [0; MAGIC_AND_VERSION as usize];
+    file.seek(SeekFrom::Start(0))?;
+    file.read_exact(&mut version)?;
+    let mut start = MAGIC_AND_VERSION;
+    loop {
+        file.seek(SeekFrom::Start(start))?;
+        let mut attributes = Vec::new();
+        let mut input = BufReader::new(&mut *file);
+        while let Some(attribute) = read_attribute(&mut input)? {
+            attributes.push(attribute);
+        }
+        attributes.sort();
+        let header = attributes.concat();
+        file.seek(SeekFrom::Start(start))?;
+        file.write_all(&header)?;
+        // The last header of several is an empty one.
+        if version[5] & MULTIPART == 0 || header.is_empty() {
+            return Ok(());
+        }
+        start += header.len() as u64 + 1;
     }
-    attributes.sort();
-    file.seek(SeekFrom::Start(MAGIC_AND_VERSION))?;
-    file.write_all(&attributes.concat())
 }
 
 /// The bytes of one attribute: name, type, size, value; `None` at the header's end.
@@ -239,9 +265,11 @@ fn read_string(input: &mut impl Read, bytes: &mut Vec<u8>) -> io::Result<()> {
 /// What an EXR file holds, without its pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExrInfo {
+    /// Pixels of a row.
     pub width: usize,
+    /// Rows.
     pub height: usize,
-    /// Of the first layer, in the file's order.
+    /// Names of the first part's channels, in the file's order.
     pub channels: Vec<String>,
     /// Bands of the spectral layout, nm, ascending.
     pub wavelengths_nm: Vec<f64>,
@@ -293,24 +321,46 @@ pub fn read_exr(path: &Path) -> Result<SpectralImage> {
         .no_deep_data()
         .largest_resolution_level()
         .all_channels()
-        .first_valid_layer()
+        .all_layers()
         .all_attributes()
         .from_file(path)
         .map_err(|e| read_error(path, e))?;
     let mut image = SpectralImage::new(info.width, info.height, grid, photometry_of(&info));
     image.metadata = own_metadata(&info);
     image.view = image.metadata.get("view").and_then(|view| view.parse().ok());
-    for channel in exr.layer_data.channel_data.list {
-        place_channel(&mut image, &string(&channel.name), &channel.sample_data);
+    let mut parts = exr.layer_data.into_iter();
+    if let Some(whole) = parts.next() {
+        place_part(&mut image, whole, path)?;
     }
-    let scale = info.attributes.get(&format!("{PREFIX}{BAND_SCALE}")).map(|text| text.parse());
-    if let Some(scale) = scale {
-        let scale: f32 = scale.map_err(|_| {
-            Error::bad_file(path, Place::File, format!("{PREFIX}{BAND_SCALE} is no number"))
-        })?;
-        image.bands.iter_mut().for_each(|value| *value *= scale);
+    for part in parts {
+        let name = part.attributes.layer_name.as_ref().map(string).unwrap_or_default();
+        let mut layer = SpectralImage::new(info.width, info.height, grid, image.photometry);
+        if part.size != Vec2(info.width, info.height) {
+            let problem = format!("part \"{name}\" is of another size");
+            return Err(Error::bad_file(path, Place::File, problem));
+        }
+        place_part(&mut layer, part, path)?;
+        image.layers.push(crate::image::Layer { name, bands: layer.bands });
     }
     Ok(image)
+}
+
+fn place_part(
+    image: &mut SpectralImage,
+    part: Layer<AnyChannels<FlatSamples>>,
+    path: &Path,
+) -> Result<()> {
+    for channel in part.channel_data.list {
+        place_channel(image, &string(&channel.name), &channel.sample_data);
+    }
+    let key = format!("{PREFIX}{BAND_SCALE}");
+    let Some(AttributeValue::Text(scale)) = part.attributes.other.get(&text(&key)) else {
+        return Ok(());
+    };
+    let bad = |_| Error::bad_file(path, Place::File, format!("{key} is no number"));
+    let scale: f32 = string(scale).parse().map_err(bad)?;
+    image.bands.iter_mut().for_each(|value| *value *= scale);
+    Ok(())
 }
 
 fn describe_bands(wavelengths_nm: &[f64]) -> String {
@@ -387,6 +437,27 @@ mod tests {
             write_exr(&path, &written).unwrap();
             assert_eq!(read_exr(&path).unwrap(), written);
         }
+    }
+
+    #[test]
+    fn layers_read_back_in_parts() {
+        let scratch = Scratch::new();
+        let (path, again) = (scratch.path("i.exr"), scratch.path("again.exr"));
+        let mut written = image(WavelengthGrid::Step20);
+        for (name, value) in [("light 1", 0.25f32), ("빛 2", 3.0)] {
+            let bands = vec![value; written.bands.len()];
+            written.layers.push(crate::image::Layer { name: name.to_owned(), bands });
+        }
+        for bands in [ExrBands::Float, ExrBands::Half] {
+            write_exr_as(&path, &written, bands).unwrap();
+            let read = read_exr(&path).unwrap();
+            assert_eq!(read.layers, written.layers);
+            assert_eq!(read.metadata, written.metadata);
+        }
+        write_exr(&path, &written).unwrap();
+        assert_eq!(read_exr(&path).unwrap(), written);
+        write_exr(&again, &read_exr(&path).unwrap()).unwrap();
+        assert!(std::fs::read(&path).unwrap() == std::fs::read(&again).unwrap());
     }
 
     #[test]

@@ -2,7 +2,9 @@
 
 mod atomic;
 mod base64;
+mod exchange;
 mod exr;
+mod hdr;
 mod panorama;
 mod png;
 mod radiance;
@@ -11,8 +13,11 @@ pub(crate) mod scratch;
 
 pub use atomic::{write_atomically, write_csv, write_text};
 pub use base64::base64;
+pub use exchange::{write_float_tiff, write_jpeg, write_tiff};
 pub use exr::{ExrBands, ExrInfo, read_exr, read_exr_info, write_exr, write_exr_as};
+pub use hdr::{HdrColors, write_hdr};
 pub use panorama::{ColorPicture, Primaries, read_color_picture};
 pub use png::{
-    ColorSpace, Raster, Samples, develop_png, display_raster, encode_png, read_png, write_png,
+    ColorSpace, Raster, Samples, develop_png, develop_raster, display_raster, encode_png, read_png,
+    write_png,
 };

@@ -13,21 +13,28 @@ use crate::image::{Metadata, SpectralImage};
 /// Digits with their meaning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Raster<'a> {
+    /// Pixels of a row.
     pub width: usize,
+    /// Rows.
     pub height: usize,
     /// Red, green, blue of each pixel, row 0 on top.
     pub samples: Samples<'a>,
+    /// What the digits mean.
     pub color_space: ColorSpace,
     /// iTXt chunks.
     pub metadata: Metadata,
 }
 
+/// Digits of 8 or 16 bits.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Samples<'a> {
+    /// 0 to 255.
     Eight(Cow<'a, [u8]>),
+    /// 0 to 65535.
     Sixteen(Cow<'a, [u16]>),
 }
 
+/// What the digits of a picture mean.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ColorSpace {
     /// The sRGB chunk.
@@ -40,7 +47,8 @@ pub enum ColorSpace {
 }
 
 impl ColorSpace {
-    fn profile(&self) -> Option<&[u8]> {
+    /// The ICC profile, where there is one.
+    pub(super) fn profile(&self) -> Option<&[u8]> {
         match self {
             Self::Srgb => None,
             Self::Icc(profile) => Some(profile),
@@ -60,11 +68,19 @@ pub fn write_png(path: &Path, raster: &Raster) -> Result<()> {
 ///
 /// Errors: as [`Look::develop`] and [`write_png`].
 pub fn develop_png(path: &Path, image: &SpectralImage, look: &Look) -> Result<Developed> {
+    let (developed, raster) = develop_raster(image, look)?;
+    write_png(path, &raster)?;
+    Ok(developed)
+}
+
+/// The picture of `image` ready to be written, with the image's metadata.
+///
+/// Errors: as [`Look::develop`].
+pub fn develop_raster(image: &SpectralImage, look: &Look) -> Result<(Developed, Raster<'static>)> {
     let developed = look.develop(image)?;
     let mut raster = display_raster(&developed.picture, &look.display)?;
     raster.metadata = image.metadata.clone();
-    write_png(path, &raster)?;
-    Ok(developed)
+    Ok((developed, raster))
 }
 
 /// Writes `raster` as a PNG stream; errors as [`write_png`].

@@ -48,6 +48,7 @@ impl Progress {
         Self { verbosity, bar, interrupted, start, last_report_ms }
     }
 
+    /// Adds to the pixels in all.
     pub fn more_pixels(&self, count: usize) {
         self.bar.inc_length(count as u64);
     }

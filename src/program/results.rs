@@ -10,6 +10,7 @@ use crate::image::difference::ImageDifference;
 use crate::material::{FittedLobe, LobeFit};
 use crate::render::{Asked, Quality, RenderStats, Samples, TargetReport};
 use crate::scene::BuildSeconds;
+use crate::shading::Layers;
 use crate::shading::{LightCheck, PathSegment, RayKind};
 use crate::source::surface_fit::{FittedSurface, SurfaceFit};
 use crate::view::View;
@@ -39,6 +40,7 @@ pub const ASKED: Fields<Asked> = Fields {
         }),
         field("light_error", "number", "", |asked| of_quality(asked, |q| q.limits.light_error)),
         field("wavelength_step", "number", "", |asked| of_quality(asked, |q| q.grid.step_nm())),
+        field("layers", "\"lights\"|\"paths\"", "", |asked| of_quality(asked, layers)),
         field("target_error", "number", "", |asked| match asked {
             Asked::TargetError(target) => (*target).into(),
             Asked::Quality(_) => Cell::Nothing,
@@ -50,6 +52,14 @@ fn of_quality<T: Into<Cell>>(asked: &Asked, value: impl Fn(&Quality) -> T) -> Ce
     match asked {
         Asked::Quality(quality) => value(quality).into(),
         Asked::TargetError(_) => Cell::Nothing,
+    }
+}
+
+fn layers(quality: &Quality) -> Cell {
+    match quality.layers {
+        Layers::None => Cell::Nothing,
+        Layers::Lights => "lights".into(),
+        Layers::Paths => "paths".into(),
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::plan::Quarters;
 use super::{Quality, Samples};
-use crate::color::Photometry;
 use crate::image::difference::lit_luminance;
-use crate::image::{Metadata, SpectralImage};
+use crate::image::{Layer, Metadata, SpectralImage};
+use crate::scene::Scene;
 use crate::view::View;
 
 /// Luminance statistics of a pixel's samples (Welford's recurrence).
@@ -48,6 +48,9 @@ impl PixelStats {
 pub(super) struct Film {
     pub width: usize,
     pub bands: usize,
+    /// Layers of each pixel.
+    pub parts: usize,
+    /// Of each pixel the mean spectrum, then those of its layers.
     pub spectra: Vec<f32>,
     pub pixels: Vec<PixelStats>,
     /// Seconds that the picture was first thought to take, where its samples follow from an error.
@@ -55,15 +58,21 @@ pub(super) struct Film {
 }
 
 impl Film {
-    pub fn new(view: &View, bands: usize) -> Self {
+    pub fn new(view: &View, bands: usize, parts: usize) -> Self {
         let pixels = view.pixels();
         Self {
             width: view.width,
             bands,
-            spectra: vec![0.0; pixels * bands],
+            parts,
+            spectra: vec![0.0; pixels * bands * (1 + parts)],
             pixels: vec![PixelStats::default(); pixels],
             expected_seconds: None,
         }
+    }
+
+    /// Values a pixel.
+    pub fn stride(&self) -> usize {
+        self.bands * (1 + self.parts)
     }
 
     pub fn mean(&self, value: impl Fn(&PixelStats) -> f64) -> f64 {
@@ -79,12 +88,14 @@ impl Film {
         lit_luminance(self.pixels.iter().map(|pixel| pixel.mean).collect())
     }
 
-    pub fn into_image(
-        self,
-        view: &View,
-        quality: &Quality,
-        photometry: Photometry,
-    ) -> SpectralImage {
+    /// Spectra of all pixels: 0 the whole, then the layers.
+    fn part(&self, part: usize) -> Vec<f32> {
+        let place = part * self.bands..(part + 1) * self.bands;
+        let pixels = self.spectra.chunks_exact(self.stride());
+        pixels.flat_map(|pixel| &pixel[place.clone()]).copied().collect()
+    }
+
+    pub fn into_image(self, view: &View, quality: &Quality, scene: &Scene) -> SpectralImage {
         let (error, samples) = match quality.samples {
             Samples::Fixed(_) => (None, None),
             Samples::Adaptive { .. } | Samples::Lit { .. } => {
@@ -97,12 +108,16 @@ impl Film {
                 )
             }
         };
+        let names = quality.layers.names(scene.lights.len());
+        let layers = (1..).zip(names).map(|(part, name)| Layer { name, bands: self.part(part) });
+        let layers = layers.collect();
         SpectralImage {
             width: view.width,
             height: view.height,
             grid: quality.grid,
-            bands: self.spectra,
-            photometry,
+            bands: if self.parts == 0 { self.spectra } else { self.part(0) },
+            layers,
+            photometry: scene.photometry,
             error,
             samples,
             view: Some(*view),

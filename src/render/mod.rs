@@ -97,7 +97,8 @@ pub fn render(
 ) -> Result<(SpectralImage, RenderStats)> {
     let start = Instant::now();
     let tables = prepared.tables(quality.grid)?;
-    let mut film = Film::new(view, quality.grid.bands());
+    let parts = quality.layers.names(prepared.scene.lights.len()).len();
+    let mut film = Film::new(view, quality.grid.bands(), parts);
     let sampler = Sampler {
         tracer: Tracer { prepared, tables, limits: quality.limits },
         camera: view.camera(),
@@ -106,6 +107,7 @@ pub fn render(
             Samples::Fixed(count) => Some(count),
             Samples::Adaptive { .. } | Samples::Lit { .. } => None,
         },
+        layers: quality.layers,
         watch,
     };
     let counts = sampler.take(&mut film, quality.samples)?;
@@ -123,5 +125,5 @@ pub fn render(
         expected_seconds: film.expected_seconds,
         target: None,
     };
-    Ok((film.into_image(view, quality, prepared.scene.photometry), stats))
+    Ok((film.into_image(view, quality, &prepared.scene), stats))
 }

@@ -222,7 +222,7 @@ mod tests {
             width,
             height,
         };
-        Film::new(&view, 1)
+        Film::new(&view, 1, 0)
     }
 
     /// Doubles until there are `count`, and adds what `luminance` says of each.

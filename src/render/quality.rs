@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::shading::TraceLimits;
+use crate::shading::{Layers, TraceLimits};
 use crate::spectrum::WavelengthGrid;
 
 /// How a picture is made: what a user trades for speed.
@@ -14,6 +14,8 @@ pub struct Quality {
     pub limits: TraceLimits,
     /// Bands of the picture.
     pub grid: WavelengthGrid,
+    /// Parts that the picture keeps apart.
+    pub layers: Layers,
 }
 
 impl Default for Quality {
@@ -22,6 +24,7 @@ impl Default for Quality {
             samples: Samples::Fixed(4),
             limits: TraceLimits { max_depth: 8, min_throughput: 1e-3, light_error: 0.01 },
             grid: WavelengthGrid::Step5,
+            layers: Layers::None,
         }
     }
 }
@@ -68,6 +71,11 @@ impl fmt::Display for Quality {
             f,
             ", max_depth {max_depth}, min_throughput {min_throughput}, light_error {light_error}, \
              wavelength_step {step_nm}"
-        )
+        )?;
+        match self.layers {
+            Layers::None => Ok(()),
+            Layers::Lights => write!(f, ", layers lights"),
+            Layers::Paths => write!(f, ", layers paths"),
+        }
     }
 }

@@ -8,7 +8,7 @@ use super::film::{Film, PixelStats};
 use super::pattern::Pattern;
 use super::{Samples, Untold, Watch};
 use crate::error::{Error, Result};
-use crate::shading::{TraceCounts, TraceState, Tracer};
+use crate::shading::{LayeredSum, Layers, TraceCounts, TraceState, Tracer};
 use crate::spectrum::Bands;
 use crate::view::Camera;
 
@@ -24,6 +24,7 @@ pub(super) struct Sampler<'a> {
     pub width: usize,
     /// Samples of each pixel, if that is known beforehand.
     pub set_size: Option<u32>,
+    pub layers: Layers,
     pub watch: &'a dyn Watch,
 }
 
@@ -77,15 +78,15 @@ impl Sampler<'_> {
         film: &mut Film,
         enough: impl Fn(&PixelStats) -> bool + Sync,
     ) -> Result<TraceCounts> {
-        let bands = film.bands;
+        let stride = film.stride();
         let tasks = film
             .spectra
-            .par_chunks_mut(PIXELS_A_TASK * bands)
+            .par_chunks_mut(PIXELS_A_TASK * stride)
             .zip(film.pixels.par_chunks_mut(PIXELS_A_TASK))
             .enumerate();
         let counts = tasks.map(|(task, (spectra, pixels))| {
             let mut state = TraceState::default();
-            let places = (task * PIXELS_A_TASK..).zip(spectra.chunks_mut(bands)).zip(&mut *pixels);
+            let places = (task * PIXELS_A_TASK..).zip(spectra.chunks_mut(stride)).zip(&mut *pixels);
             for ((pixel, spectrum), stats) in places {
                 if self.watch.is_cancelled() {
                     return Err(Error::Interrupted);
@@ -110,24 +111,28 @@ impl Sampler<'_> {
             return Ok(());
         }
         let (x, y) = (pixel % self.width, pixel / self.width);
-        let mut sum = Bands::zero(spectrum.len());
-        for (sum, mean) in sum.as_mut_slice().iter_mut().zip(&*spectrum) {
-            *sum = f64::from(*mean) * f64::from(stats.count);
-        }
+        let bands = self.tracer.tables.bands;
+        let mut sums = spectrum.chunks(bands).map(|mean| sum_of(mean, stats.count));
+        let mut sum = sums.next().unwrap_or_else(|| Bands::zero(bands));
+        // Without layers there are none, and nothing is allocated.
+        let mut parts: Vec<Bands> = sums.collect();
         let pattern = Pattern::of_pixel(x, y);
         let set = self.set_size.map(|count| pattern.set(count)).unwrap_or_default();
         while !enough(stats) {
             let in_set = set.get(stats.count as usize).copied();
             let [dx, dy] = in_set.unwrap_or_else(|| pattern.place(stats.count));
             let ray = self.camera.ray(x as f64 + dx, y as f64 + dy);
-            let mut sample = Bands::zero(spectrum.len());
+            let mut sample = Bands::zero(bands);
             state.luminance_error = 0.0;
-            self.tracer.trace(ray, state, &mut sample);
+            let layers = self.layers;
+            let mut layered = LayeredSum { whole: &mut sample, parts: &mut parts, layers };
+            self.tracer.trace_layers(ray, state, &mut layered);
             let luminance = sample.dot(&self.tracer.tables.luminance_weights);
             stats.add(luminance, state.luminance_error);
             sum.add(&sample);
         }
-        for (mean, sum) in spectrum.iter_mut().zip(sum.as_slice()) {
+        let sums = sum.as_slice().iter().chain(parts.iter().flat_map(Bands::as_slice));
+        for (mean, sum) in spectrum.iter_mut().zip(sums) {
             *mean = (sum / f64::from(stats.count)) as f32;
             if !mean.is_finite() {
                 return Err(Error::inconsistent(
@@ -138,4 +143,13 @@ impl Sampler<'_> {
         }
         Ok(())
     }
+}
+
+/// Σ of as many samples as have made this mean.
+fn sum_of(mean: &[f32], count: u32) -> Bands {
+    let mut sum = Bands::zero(mean.len());
+    for (sum, mean) in sum.as_mut_slice().iter_mut().zip(mean) {
+        *sum = f64::from(*mean) * f64::from(count);
+    }
+    sum
 }

@@ -111,6 +111,7 @@ pub fn render_to_target(
         samples: Samples::Lit { max: MOST_SAMPLES, error: noise },
         limits: chosen.rung.limits(target),
         grid: GRID,
+        ..Quality::default()
     };
     let (mut image, mut stats) = render(prepared, view, &quality, watch)?;
     image.metadata.insert("target_error".to_owned(), target.to_string());
@@ -208,7 +209,12 @@ impl Trials<'_> {
         const RAYS: usize = 1024;
         const EXACT_RAYS: usize = 64;
         let limits = Rung::CHEAPEST.limits(self.target);
-        let quality = Quality { samples: Samples::Fixed(PILOT_SAMPLES), limits, grid: GRID };
+        let quality = Quality {
+            samples: Samples::Fixed(PILOT_SAMPLES),
+            limits,
+            grid: GRID,
+            ..Quality::default()
+        };
         let (pilot, stats) = render(self.prepared, self.view, &quality, &Untold(self.watch))?;
         let rays = self.lit_rays(&pilot, RAYS);
         let (depth, truncation_error) = self.choose_depth(&rays)?;

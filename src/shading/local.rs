@@ -2,8 +2,9 @@
 
 use std::cell::Cell;
 
-use super::walk::{Facing, SurfacePoint};
-use super::{TraceState, Tracer};
+use super::layers::Origin;
+use super::walk::{Branch, Facing, SurfacePoint};
+use super::{LayeredSum, TraceState, Tracer};
 use crate::geometry::DVec3;
 use crate::light::sum::{HitQuery, LightSum};
 use crate::scene::MaterialTables;
@@ -13,15 +14,18 @@ impl Tracer<'_> {
     pub(super) fn add_local(
         &self,
         surface: &SurfacePoint,
-        throughput: &Bands,
+        branch: &Branch,
         state: &mut TraceState,
-        sum: &mut Bands,
+        sum: &mut LayeredSum,
     ) {
+        let throughput = &branch.throughput;
         let scene = &self.prepared.scene;
         let material = &scene.materials[surface.material.0];
         let tables = &self.tables.materials[surface.material.0];
         if self.tables.has_ambient && material.k_a > 0.0 {
-            self.add_ambient(material.k_a, tables, throughput, sum);
+            sum.add(Origin::Surroundings, branch.kind, |sum| {
+                self.add_ambient(material.k_a, tables, throughput, sum);
+            });
         }
         if !self.is_lit(surface) {
             return;
@@ -33,12 +37,19 @@ impl Tracer<'_> {
             state.counts.light_samples += u64::from(answer.samples);
             state.counts.shadow_rays += shadow_rays;
             let power = &self.tables.lights[light];
-            add_light(&answer, power, tables, throughput, sum);
+            sum.add(Origin::Light(light), branch.kind, |sum| {
+                add_light(&answer, power, tables, throughput, sum);
+            });
             if answer.reflected_error + answer.transmitted_error > 0.0 {
                 state.luminance_error += self.luminance_error(&answer, power, tables, throughput);
             }
         }
-        self.add_surroundings(surface, throughput, state, sum);
+        if self.tables.surroundings.is_some() {
+            // Counted once, added to the whole and to a layer.
+            let mut returned = Bands::zero(self.tables.bands);
+            self.add_surroundings(surface, throughput, state, &mut returned);
+            sum.add(Origin::Surroundings, branch.kind, |sum| sum.add(&returned));
+        }
     }
 
     /// Whether any lobe on any side can return light to V.

@@ -8,6 +8,7 @@
 
 mod darkness;
 mod global;
+mod layers;
 mod light_check;
 mod local;
 mod paths;
@@ -15,6 +16,7 @@ mod surroundings;
 mod walk;
 
 pub use darkness::Darkness;
+pub use layers::{LayeredSum, Layers};
 pub use light_check::LightCheck;
 pub use paths::{PathEnd, PathSegment};
 pub use walk::RayKind;
@@ -22,6 +24,7 @@ pub use walk::RayKind;
 use crate::geometry::Ray;
 use crate::scene::{Prepared, Shadows, SpectralTables};
 use crate::spectrum::Bands;
+use layers::Origin;
 use walk::{Arrival, Branch};
 
 /// Where the tree of rays ends, and how exact the sum over light samples is.
@@ -85,11 +88,19 @@ pub struct TraceState {
 impl Tracer<'_> {
     /// Adds the spectral radiance that arrives along `ray` to `sum`.
     pub fn trace(&self, ray: Ray, state: &mut TraceState, sum: &mut Bands) {
+        let mut sum = LayeredSum { whole: sum, parts: &mut [], layers: Layers::None };
+        self.trace_layers(ray, state, &mut sum);
+    }
+
+    /// The same, parted into layers.
+    pub fn trace_layers(&self, ray: Ray, state: &mut TraceState, sum: &mut LayeredSum) {
         state.counts.camera_rays += 1;
         self.walk(ray, state, |branch, arrival, state| match arrival {
-            Arrival::Missed => self.add_background(branch, sum),
+            Arrival::Missed => sum.add(Origin::Surroundings, branch.kind, |sum| {
+                self.add_background(branch, sum);
+            }),
             Arrival::Cut => {}
-            Arrival::Hit(surface) => self.add_local(surface, &branch.throughput, state, sum),
+            Arrival::Hit(surface) => self.add_local(surface, branch, state, sum),
         });
     }
 

@@ -2,9 +2,11 @@
 
 mod closed_cases;
 mod determinism;
+mod displays;
 mod example;
 mod goldens;
 mod intensity;
+mod layers;
 mod lens_colors;
 mod light_check;
 mod stage;

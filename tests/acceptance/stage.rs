@@ -14,7 +14,7 @@ use lampyris::render::{Quality, Samples, Unwatched, render};
 use lampyris::scene::{Background, Light, MaterialId, Object, Prepared, Scene, Shadows};
 use lampyris::shading::TraceLimits;
 use lampyris::source::Cylinder;
-use lampyris::spectrum::{Spectrum, WavelengthGrid};
+use lampyris::spectrum::Spectrum;
 use lampyris::view::View;
 
 /// A black, opaque material to be changed.
@@ -127,7 +127,7 @@ pub fn exact(max_depth: u32) -> Quality {
     Quality {
         samples: Samples::Fixed(1),
         limits: TraceLimits { max_depth, min_throughput: 0.0, light_error: 0.0 },
-        grid: WavelengthGrid::Step5,
+        ..Quality::default()
     }
 }
 

@@ -135,6 +135,22 @@ def check(tab):
     expect(tab, "view_0004")
     assert tab.evaluate("document.querySelector('nav input').value") == "3"
     assert tab.evaluate("location.hash") == "#view_0004"
+    # Arrow keys work wherever the focus is, and the address follows.
+    tab.key("ArrowLeft", 37)
+    expect(tab, "view_0003")
+    assert tab.evaluate("location.hash") == "#view_0003"
+    tab.key("Home", 36)
+    expect(tab, "view_0001")
+    # The luminance under the pointer, in the middle of the picture: lit, and at its corner dark.
+    picture = place(tab, "section:not([hidden]) .picture")
+    readings = []
+    for share in (0.5, 0.01):
+        x = picture["left"] + share * picture["width"]
+        y = picture["top"] + share * picture["height"]
+        tab.mouse("mouseMoved", x, y, False)
+        readings.append(tab.evaluate("document.querySelector('section .reading').textContent"))
+    assert re.search(r"x = \d+, y = \d+: (≥ )?[0-9.e+-]+$", readings[0]), readings
+    assert re.search(r": ≤ [0-9.e+-]+$", readings[1]), readings
     broken = "[...document.images].filter(i => !i.naturalWidth).length"
     assert tab.evaluate(broken) == 0, "pictures that do not show"
 

@@ -182,7 +182,7 @@ fn what_no_longer_matches_is_rendered_again() {
     // A file that was changed, and one that was lost.
     fs::write(bench.path("out/s/view_0003.png"), "not what it was").expect("a written file");
     fs::remove_file(bench.path("out/s/view_0007.exr")).expect("a removed file");
-    assert_eq!(finish(&bench), (2, 6));
+    assert_eq!(finish(&bench), (1, 7), "a picture is developed, not rendered");
     assert_same(&bench.files("out/s"), &expected);
     // One view less: its files go.
     bench.write("sweep.lua", &SCRIPT.replace("k = 1, 8", "k = 1, 7"));
@@ -274,6 +274,49 @@ fn verify_finds_every_change() {
 }
 
 #[test]
+fn a_changed_look_renders_nothing() {
+    let bench = bench();
+    finish(&bench);
+    let first = bench.files("out/s");
+    for (old, new) in [
+        ("eizo_t766 }", "eizo_t766, exposure = 3 }"),
+        ("eizo_t766 }", "p3, look = \"seen\" }"),
+        ("eizo_t766 }", "eizo_t766, tone = function(l) return l / (1 + l) end }"),
+        ("png =", "exposure = \"each\", false_color = \"each\", png ="),
+        ("x = 30, y = 20", "x = 29, y = 21"),
+        ("k_rg = 0.9", "name = \"mirror\", k_rg = 0.9"),
+    ] {
+        bench.write("sweep.lua", &SCRIPT.replace(old, new));
+        assert_eq!(finish(&bench), (0, 8), "{new}");
+        let files = bench.files("out/s");
+        assert!(files["view_0001.exr"] == first["view_0001.exr"], "{new}");
+        let same_picture = files["view_0008.png"] == first["view_0008.png"];
+        assert_eq!(same_picture, new.starts_with("x =") || new.starts_with("name"), "{new}");
+    }
+    bench.write("sweep.lua", SCRIPT);
+    assert_eq!(finish(&bench), (0, 8));
+    assert_same(&bench.files("out/s"), &first);
+}
+
+#[test]
+fn views_share_one_exposure_and_one_range() {
+    let bench = bench();
+    finish(&bench);
+    let manifest = Manifest::read(&bench.path("out/s/manifest.json")).expect("a manifest");
+    let details = |key: &str| -> Vec<serde_json::Value> {
+        manifest.views.iter().map(|view| view.details[key].clone()).collect()
+    };
+    let factors = details("exposure");
+    assert!(factors.iter().all(|factor| *factor == factors[0]), "{factors:?}");
+    let automatic = details("automatic_exposure");
+    let brightest = automatic.iter().filter_map(|v| v.as_f64()).fold(f64::INFINITY, f64::min);
+    assert_eq!(factors[0].as_f64(), Some(brightest));
+    assert!(automatic.iter().any(|factor| *factor != automatic[0]), "views differ");
+    let ranges = details("false_color");
+    assert!(ranges.iter().all(|range| *range == ranges[0]), "{ranges:?}");
+}
+
+#[test]
 fn functions_give_views_one_by_one_or_yield_them() {
     let listed = unbroken();
     let ways = [
@@ -317,7 +360,9 @@ fn the_page_needs_nothing_beside_it() {
     let page = fs::read_to_string(bench.path("out/s/index.html")).expect("a page");
     assert_eq!(page.matches("<section").count(), 8);
     assert_eq!(page.matches("data:image/png;base64,").count(), 16);
-    assert_eq!(page.matches("<polygon class='box red'").count(), 8);
+    // Spectra and colors of each view's region, and two luminances over the angle.
+    assert_eq!(page.matches("colors, among those of UN R48").count(), 8);
+    assert_eq!(page.matches("<svg width=").count(), 8 * 2 + 2);
     assert!(!page.contains("http:") && !page.contains("https:"));
     assert_eq!(page.matches(" src='").count(), 16 + 1, "only timings.js lies outside");
     assert!(page.contains("<script src='timings.js'>"));

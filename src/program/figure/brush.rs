@@ -16,17 +16,25 @@ const FAMILY: &str = "sans-serif";
 static FONT_IS_READY: LazyLock<bool> =
     LazyLock::new(|| register_font(FAMILY, FontStyle::Normal, FONT).is_ok());
 
+/// Font size of numbers, pixels.
 pub const SMALL: u32 = 16;
+/// Font size of labels, pixels.
 pub const MEDIUM: u32 = 18;
+/// Font size of titles, pixels.
 pub const LARGE: u32 = 22;
 
 /// Where words stand relative to their point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
+    /// Their foot is at the point.
     Above,
+    /// Their top is at the point.
     Below,
+    /// They end at the point.
     LeftOf,
+    /// They begin at the point.
     RightOf,
+    /// The point is in their middle.
     Middle,
 }
 
@@ -35,6 +43,7 @@ pub struct Brush<'a, DB: DrawingBackend> {
     area: &'a DrawingArea<DB, Shift>,
 }
 
+/// Pixels to the right and down.
 pub type Point = [f64; 2];
 
 impl<'a, DB: DrawingBackend> Brush<'a, DB> {
@@ -47,27 +56,44 @@ impl<'a, DB: DrawingBackend> Brush<'a, DB> {
         Ok(Self { area })
     }
 
+    /// Straight lines from point to point.
     pub fn polyline(&self, points: &[Point], color: [u8; 3], width: u32) -> Result<()> {
         let style = rgb(color).stroke_width(width);
         let points: Vec<(i32, i32)> = points.iter().map(|&p| pixel(p)).collect();
         self.area.draw(&PathElement::new(points, style)).map_err(failed)
     }
 
+    /// A filled circle.
     pub fn dot(&self, at: Point, color: [u8; 3], radius: u32) -> Result<()> {
         self.area.draw(&Circle::new(pixel(at), radius, rgb(color).filled())).map_err(failed)
     }
 
+    /// A filled rectangle.
     pub fn fill(&self, from: Point, to: Point, color: [u8; 3]) -> Result<()> {
         let corners = [pixel(from), pixel(to)];
         self.area.draw(&Rectangle::new(corners, rgb(color).filled())).map_err(failed)
     }
 
+    /// A rectangle's outline.
     pub fn frame(&self, from: Point, to: Point, color: [u8; 3]) -> Result<()> {
         let corners = [from, [to[0], from[1]], to, [from[0], to[1]], from];
         self.polyline(&corners, color, 1)
     }
 
+    /// Words in black.
     pub fn words(&self, text: &str, at: Point, anchor: Anchor, size: u32) -> Result<()> {
+        self.colored_words(text, at, anchor, size, [0; 3])
+    }
+
+    /// Words in a color.
+    pub fn colored_words(
+        &self,
+        text: &str,
+        at: Point,
+        anchor: Anchor,
+        size: u32,
+        color: [u8; 3],
+    ) -> Result<()> {
         let (h, v) = match anchor {
             Anchor::Above => (HPos::Center, VPos::Bottom),
             Anchor::Below => (HPos::Center, VPos::Top),
@@ -76,7 +102,7 @@ impl<'a, DB: DrawingBackend> Brush<'a, DB> {
             Anchor::Middle => (HPos::Center, VPos::Center),
         };
         let font = (FAMILY, size).into_font();
-        let style = font.color(&BLACK).pos(Pos::new(h, v));
+        let style = font.color(&rgb(color)).pos(Pos::new(h, v));
         self.area.draw(&Text::new(text, pixel(at), style)).map_err(failed)
     }
 

@@ -14,9 +14,9 @@ const GRID: [u8; 3] = [225; 3];
 /// From an axis to pixels.
 struct Ruler {
     scale: Scale,
-    /// Of the axis, after its scale.
+    /// Ends of the axis, after its scale.
     range: [f64; 2],
-    /// Of the figure.
+    /// Ends of the axis in the figure.
     pixels: [f64; 2],
 }
 
@@ -65,6 +65,7 @@ fn with_room([low, high]: [f64; 2]) -> [f64; 2] {
     [low - room, high + room]
 }
 
+/// Draws axes, series and legend; errors for a range that does not ascend.
 pub fn draw_chart<DB: DrawingBackend>(brush: &Brush<DB>, chart: &Chart, rect: Rect) -> Result<()> {
     let points = || chart.series.iter().flat_map(|series| &series.points);
     let x_range = range_of(&chart.x, points().map(|p| p[0]))?;

@@ -14,6 +14,7 @@ use crate::error::{Error, Result};
 pub struct SvgFigure<'a> {
     /// Ends in `</svg>`, before which the pictures belong.
     pub text: String,
+    /// Pictures and their places.
     pub rasters: Vec<PlacedRaster<'a>>,
 }
 
@@ -47,6 +48,22 @@ pub fn to_svg(figure: &Figure) -> Result<SvgFigure<'_>> {
     let size = (figure.width, figure.height);
     let rasters = draw(figure, SVGBackend::with_string(&mut text, size))?;
     Ok(SvgFigure { text, rasters })
+}
+
+/// How much of each pixel words cover, 0 to 1, in a box of `size` pixels, from its left.
+///
+/// Errors: [`Error::Inconsistent`] if they cannot be drawn.
+pub fn words(text: &str, font_size: u32, [width, height]: [u32; 2]) -> Result<Vec<f64>> {
+    let mut bytes = vec![0; 3 * (width * height) as usize];
+    {
+        let area = BitMapBackend::with_buffer(&mut bytes, (width, height)).into_drawing_area();
+        let brush = Brush::new(&area)?;
+        brush.words(text, [2.0, 0.5 * f64::from(height)], Anchor::RightOf, font_size)?;
+        let presented = area.present();
+        presented.map_err(|e| Error::inconsistent("figure", format!("cannot be drawn: {e:?}")))?;
+    }
+    // Black on white.
+    Ok(bytes.chunks_exact(3).map(|rgb| 1.0 - f64::from(rgb[0]) / 255.0).collect())
 }
 
 fn draw<DB: DrawingBackend>(figure: &Figure, backend: DB) -> Result<Vec<PlacedRaster<'_>>> {
@@ -118,6 +135,7 @@ mod tests {
         let segments = SegmentsPanel {
             title: "rays".to_owned(),
             segments: (0..99).map(|i| [spiral(i), spiral(i + 1)]).collect(),
+            marks: super::super::SegmentMarks::LinesAndDots,
             azimuth_deg: 30.0,
             elevation_deg: 20.0,
         };

@@ -9,6 +9,7 @@ use crate::image::XyzImage;
 /// How luminance becomes color.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FalseColor {
+    /// How colors are spread over the range.
     pub scale: Scale,
     /// cd/m²; `None` ends at the brightest pixel, and begins at 0 or, if log, at 10⁻⁴ of it.
     pub range: Option<[f64; 2]>,

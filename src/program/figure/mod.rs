@@ -9,7 +9,7 @@ mod raster;
 mod segments;
 mod ticks;
 
-pub use draw::{SvgFigure, to_pixels, to_svg};
+pub use draw::{SvgFigure, to_pixels, to_svg, words};
 pub use false_color::{FalseColor, false_color, scale_colors};
 pub use file::{figure_svg, write_figure_png, write_figure_svg};
 pub use raster::{PlacedRaster, Rect};
@@ -19,7 +19,9 @@ pub use raster::{PlacedRaster, Rect};
 pub struct Figure {
     /// Pixels.
     pub width: u32,
+    /// Pixels.
     pub height: u32,
+    /// Stands above; may be empty.
     pub title: String,
     /// Row by row.
     pub panels: Vec<Panel>,
@@ -34,41 +36,54 @@ impl Figure {
     }
 }
 
+/// What a figure consists of.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Panel {
+    /// Curves and points.
     Chart(Chart),
+    /// A picture.
     Raster(RasterPanel),
+    /// Lines in space.
     Segments(SegmentsPanel),
 }
 
 /// Curves and points over two axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
+    /// Stands above; may be empty.
     pub title: String,
+    /// To the right.
     pub x: Axis,
+    /// Upward.
     pub y: Axis,
+    /// Drawn in their order.
     pub series: Vec<Series>,
 }
 
+/// What an axis shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// With its unit.
     pub label: String,
+    /// How values are spread.
     pub scale: Scale,
     /// `None` takes what the series need.
     pub range: Option<[f64; 2]>,
 }
 
 impl Axis {
+    /// An even axis as long as needed.
     pub fn linear(label: &str) -> Self {
         Self { label: label.to_owned(), scale: Scale::Linear, range: None }
     }
 
+    /// A logarithmic axis as long as needed.
     pub fn log(label: &str) -> Self {
         Self { label: label.to_owned(), scale: Scale::Log, range: None }
     }
 }
 
+/// How values are spread along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scale {
     #[default]
@@ -82,7 +97,9 @@ pub enum Scale {
 pub struct Series {
     /// Stands in the legend unless empty.
     pub name: String,
+    /// How points are drawn.
     pub marks: Marks,
+    /// x and y.
     pub points: Vec<[f64; 2]>,
     /// Half lengths of vertical error bars, one a point.
     pub errors: Option<Vec<f64>>,
@@ -91,20 +108,27 @@ pub struct Series {
 }
 
 impl Series {
+    /// A line through points, in the next color.
     pub fn line(name: &str, points: Vec<[f64; 2]>) -> Self {
         Self { name: name.to_owned(), marks: Marks::Line, points, errors: None, color: None }
     }
 
+    /// Points alone, in the next color.
     pub fn scatter(name: &str, points: Vec<[f64; 2]>) -> Self {
         Self { marks: Marks::Points, ..Self::line(name, points) }
     }
 }
 
+/// How the points of a series are drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Marks {
+    /// A line.
     Line,
+    /// A dashed line.
     Dashes,
+    /// A dot each.
     Points,
+    /// Both.
     LineAndPoints,
 }
 
@@ -123,11 +147,15 @@ pub const COLORS: [[u8; 3]; 7] = [
 /// A picture, scaled into its panel with square pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RasterPanel {
+    /// Stands above; may be empty.
     pub title: String,
+    /// Pixels of a row.
     pub width: usize,
+    /// Rows.
     pub height: usize,
     /// sRGB, row 0 on top.
     pub pixels: Vec<[u8; 3]>,
+    /// Stands to the right.
     pub scale_bar: Option<ScaleBar>,
 }
 
@@ -136,19 +164,35 @@ pub struct RasterPanel {
 pub struct ScaleBar {
     /// With its unit.
     pub label: String,
+    /// How values are spread.
     pub scale: Scale,
+    /// Values at both ends.
     pub range: [f64; 2],
     /// From the lower end of the range to the upper, evenly on its scale.
     pub colors: Vec<[u8; 3]>,
 }
 
+/// How segments are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SegmentMarks {
+    /// Blue lines.
+    #[default]
+    Lines,
+    /// White lines on dark ground with green dots at their starts, as the paper draws rays.
+    LinesAndDots,
+}
+
 /// Segments in space, seen from afar in parallel projection.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SegmentsPanel {
+    /// Stands above; may be empty.
     pub title: String,
     /// Right-handed, +Y up, mm.
     pub segments: Vec<[[f64; 3]; 2]>,
+    /// How each is drawn.
+    pub marks: SegmentMarks,
     /// Where the eye is: turned about +Y from +Z, and lifted.
     pub azimuth_deg: f64,
+    /// Lifts the eye toward +Y.
     pub elevation_deg: f64,
 }

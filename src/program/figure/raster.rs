@@ -10,9 +10,13 @@ use crate::error::{Error, Result};
 /// Pixels of a figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rect {
+    /// Left edge.
     pub x: f64,
+    /// Upper edge.
     pub y: f64,
+    /// To the right edge.
     pub width: f64,
+    /// To the lower edge.
     pub height: f64,
 }
 
@@ -27,14 +31,17 @@ impl Rect {
         }
     }
 
+    /// Right edge.
     pub fn right(self) -> f64 {
         self.x + self.width
     }
 
+    /// Lower edge.
     pub fn bottom(self) -> f64 {
         self.y + self.height
     }
 
+    /// Halfway from left to right.
     pub fn center_x(self) -> f64 {
         self.x + 0.5 * self.width
     }
@@ -43,6 +50,7 @@ impl Rect {
 /// A picture at its place in the figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlacedRaster<'a> {
+    /// What is shown.
     pub panel: &'a RasterPanel,
     /// Whole pixels.
     pub place: Rect,

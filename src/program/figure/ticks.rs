@@ -5,7 +5,9 @@ use super::Scale;
 /// A mark on an axis; labels of minor marks are empty.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tick {
+    /// Where it is on the axis.
     pub value: f64,
+    /// What stands beside it.
     pub label: String,
 }
 

@@ -19,7 +19,8 @@ use crate::error::Error;
 use crate::geometry::DVec3;
 use crate::image::Region;
 use crate::program::figure::{
-    self, Axis, Chart, FalseColor, Figure, Marks, Panel, RasterPanel, Scale, Series, false_color,
+    self, Axis, Chart, FalseColor, Figure, Marks, Panel, RasterPanel, Scale, SegmentMarks, Series,
+    false_color,
 };
 
 /// Handle of a figure.
@@ -251,6 +252,8 @@ options! {
             expected: "a list of {{x, y, z}, {x, y, z}}",
             naming: Naming::Row,
         },
+        /// green dots where segments start, white lines on dark ground
+        dots: bool = Flag.or(false),
         /// degrees
         azimuth: f64 = Number(Range::ANY).or(30.0),
         /// degrees
@@ -272,10 +275,12 @@ fn segment(object: &str, what: &str, value: &Value) -> mlua::Result<[DVec3; 2]> 
 }
 
 fn segments(options: &Options) -> mlua::Result<figure::SegmentsPanel> {
-    let SegmentsPanel { segments, azimuth, elevation, title } = Record::from_options(options)?;
+    let SegmentsPanel { segments, dots, azimuth, elevation, title } =
+        Record::from_options(options)?;
     Ok(figure::SegmentsPanel {
         title,
         segments: segments.iter().map(|ends| ends.map(|end| end.to_array())).collect(),
+        marks: if dots { SegmentMarks::LinesAndDots } else { SegmentMarks::Lines },
         azimuth_deg: azimuth,
         elevation_deg: elevation,
     })

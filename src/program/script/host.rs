@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use mlua::Lua;
 
+use crate::display::{Gamut, GamutReport, Look};
 use crate::error::{Error, Result};
 use crate::program::progress::{Progress, Verbosity};
 use crate::program::sweep::{self, Shard};
@@ -34,6 +35,7 @@ pub struct Host {
     pub script: PathBuf,
     pub settings: Settings,
     warnings: Arc<Mutex<Vec<(String, u32)>>>,
+    clipped: Arc<Mutex<Clipped>>,
     inputs: Arc<Mutex<Vec<Input>>>,
     seeds: Arc<Mutex<Vec<(String, u64)>>>,
 }
@@ -52,6 +54,7 @@ impl Host {
             script: script.to_owned(),
             settings,
             warnings: Arc::default(),
+            clipped: Arc::default(),
             inputs: Arc::default(),
             seeds: Arc::default(),
         }
@@ -176,13 +179,24 @@ impl Host {
         }
     }
 
+    /// Notes what displays could not show of pictures that were clipped to them.
+    pub fn note_clipped(&self, look: &Look, report: &GamutReport, pictures: usize) {
+        if look.gamut == Gamut::Clip && look.camera.is_none() {
+            let mut clipped = locked(&self.clipped);
+            clipped.report = clipped.report.merge(*report);
+            clipped.pictures += pictures;
+        }
+    }
+
     /// So that the next warning is printed as if it were the first.
     pub(super) fn forget_warnings(&self) {
         locked(&self.warnings).clear();
+        *locked(&self.clipped) = Clipped::default();
     }
 
     pub fn print_warnings(&self) {
-        for (text, count) in locked(&self.warnings).iter() {
+        let clipped = locked(&self.clipped).warning().map(|text| (text, 1));
+        for (text, count) in locked(&self.warnings).iter().chain(&clipped) {
             let times = if *count > 1 { format!(" ({count} times)") } else { String::new() };
             match self.settings.verbosity {
                 Verbosity::Json => {
@@ -194,6 +208,37 @@ impl Host {
                 Verbosity::Quiet | Verbosity::Bar => eprintln!("warning: {text}{times}"),
             }
         }
+    }
+}
+
+/// What displays could not show of the pictures of a run.
+#[derive(Debug, Clone, Copy, Default)]
+struct Clipped {
+    pictures: usize,
+    report: GamutReport,
+}
+
+impl Clipped {
+    /// Shares of the pixels below which nobody minds: automatic exposure alone leaves 0.5 %
+    /// above white.
+    const MIND: f64 = 0.01;
+
+    fn warning(&self) -> Option<String> {
+        let Self { pictures, report } = self;
+        let share = |pixels: usize| pixels as f64 / report.pixels.max(1) as f64;
+        let (bright, saturated) = (share(report.too_bright), share(report.too_saturated));
+        if bright.max(saturated) < Self::MIND {
+            return None;
+        }
+        Some(format!(
+            "{pictures} pictures are clipped where the display cannot follow: {:.1} % of their \
+             pixels are more saturated than its primaries, {:.1} % brighter than its white, up to \
+             ΔE00 {:.1}; look = \"seen\" keeps shape and hue, display = lampyris.display.p3 or an \
+             HDR display shows more, exposure = {{ev = -1}} is darker",
+            100.0 * saturated,
+            100.0 * bright,
+            report.max_delta_e_2000,
+        ))
     }
 }
 

@@ -1,5 +1,6 @@
 //! The image that a render returns.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use mlua::{Lua, MetaMethod, MultiValue, Table, UserData, UserDataFields, UserDataMethods, Value};
@@ -13,11 +14,11 @@ use super::spectrum::LuaSpectrum;
 use super::view::MAX_SIDE;
 use super::{fault, figure, host};
 use crate::color::Photometry;
-use crate::display::GamutReport;
+use crate::display::Look;
 use crate::error::Error;
 use crate::image::difference::ImageDifference;
 use crate::image::{Region, SpectralImage, XyzImage, weighted_sum};
-use crate::output::{self, ExrBands};
+use crate::output::{self, ExrBands, HdrColors, Raster};
 use crate::program::fields::Cell;
 use crate::program::intensity;
 use crate::program::memory;
@@ -118,11 +119,12 @@ impl RegionOptions {
     }
 }
 
-const NAMES: [&str; 11] = [
+const NAMES: [&str; 12] = [
     "compare",
     "false_color",
     "height",
     "intensity",
+    "layers",
     "luminance",
     "luminances",
     "save",
@@ -198,6 +200,13 @@ impl UserData for LuaImage {
     fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
         fields.add_field_method_get("width", |_, this| Ok(this.0.image.width));
         fields.add_field_method_get("height", |_, this| Ok(this.0.image.height));
+        fields.add_field_method_get("layers", |_, this| {
+            let image = &this.0.image;
+            let layers = image.layers.iter();
+            Ok(layers
+                .map(|layer| (layer.name.clone(), LuaImage::of(image.layer(layer))))
+                .collect::<BTreeMap<_, _>>())
+        });
         fields.add_field_method_get("stats", |_, this| Ok(this.stats()));
     }
 
@@ -290,35 +299,88 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
             output::write_exr_as(&target, &rendered.image, bands)?;
             Ok(Cell::Record(Vec::new()))
         }
+        Some("hdr") => {
+            let HdrOptions { colors } = arguments.record()?;
+            output::write_hdr(&target, &rendered.image, colors)?;
+            Ok(Cell::Record(Vec::new()))
+        }
         Some("png") => {
             let look = arguments.record::<PngOptions>()?.look()?;
-            let shown = output::develop_png(&target, &rendered.image, &look)?;
-            warn_of_gamut(&host, &path, &shown.picture.gamut);
-            Ok(DEVELOPED.record(&shown))
+            save_picture(&host, &rendered.image, &look, |raster| output::write_png(&target, raster))
+        }
+        Some("jpg" | "jpeg") => {
+            let JpegOptions { quality, png } = arguments.record()?;
+            save_picture(&host, &rendered.image, &png.look()?, |raster| {
+                output::write_jpeg(&target, raster, quality)
+            })
+        }
+        Some("tif" | "tiff") => {
+            let TiffOptions { samples, png } = arguments.record()?;
+            if samples == TiffSamples::Float {
+                output::write_float_tiff(&target, &rendered.image)?;
+                return Ok(Cell::Record(Vec::new()));
+            }
+            let look = png.look_of_bits(16)?;
+            save_picture(&host, &rendered.image, &look, |raster| {
+                output::write_tiff(&target, raster)
+            })
         }
         _ => {
             let found = format!("\"{path}\"");
-            Err(Error::out_of_range("image:save", "path", found, "names ending in .exr or .png")
-                .into())
+            let allowed = "names ending in .exr, .hdr, .jpg, .png or .tif";
+            Err(Error::out_of_range("image:save", "path", found, allowed).into())
         }
     }
+}
+
+options! {
+    struct HdrOptions {
+        /// Radiance's RGB, to which more saturated colors are toned down; or tristimulus values
+        colors: HdrColors =
+            Choice(&[("rgbe", HdrColors::Rgbe), ("xyze", HdrColors::Xyze)]).or(HdrColors::Rgbe),
+    }
+}
+
+options! {
+    struct JpegOptions {
+        quality: u8 = Count::new(1, 100).or(95),
+        ..png: PngOptions,
+    }
+}
+
+options! {
+    struct TiffOptions {
+        /// digits, of 16 bits unless more is said; or linear Rec. 709 of the light
+        samples: TiffSamples = Choice(&[
+            ("integer", TiffSamples::Integer),
+            ("float", TiffSamples::Float),
+        ]).or(TiffSamples::Integer),
+        ..png: PngOptions,
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum TiffSamples {
+    Integer,
+    Float,
+}
+
+/// A picture as a display shows it.
+fn save_picture(
+    host: &Host,
+    image: &SpectralImage,
+    look: &Look,
+    write: impl FnOnce(&Raster) -> crate::Result<()>,
+) -> mlua::Result<Cell> {
+    let (shown, raster) = output::develop_raster(image, look)?;
+    write(&raster)?;
+    host.note_clipped(look, &shown.picture.gamut, 1);
+    Ok(DEVELOPED.record(&shown))
 }
 
 /// Light beyond the image is not in its intensity.
 pub(super) fn warn_of_cut_off(host: &Host, image: &SpectralImage, view: &View) {
     if intensity::is_cut_off(image) {
         host.warn(format!("intensity: light reaches the border of the image ({view})"));
-    }
-}
-
-/// What is too dark shows as the display's black, as anyone expects.
-pub(super) fn warn_of_gamut(host: &Host, path: &str, gamut: &GamutReport) {
-    let (bright, saturated) = (gamut.too_bright, gamut.too_saturated);
-    if bright + saturated > 0 {
-        host.warn(format!(
-            "{path}: the display cannot show {bright} pixels that are brighter than its white and \
-             {saturated} that are more saturated than its primaries, of {}; up to ΔE00 {:.1}",
-            gamut.pixels, gamut.max_delta_e_2000
-        ));
     }
 }

@@ -54,6 +54,12 @@ impl PngOptions {
     pub(super) fn look(self) -> crate::Result<Look> {
         self.own.change(self.look)
     }
+
+    /// With so many bits unless the options say how many.
+    pub(super) fn look_of_bits(self, bits: u32) -> crate::Result<Look> {
+        let bits = self.own.bits.or(Some(bits));
+        LookOptions { bits, ..self.own }.change(self.look)
+    }
 }
 
 impl LookOptions {
@@ -202,7 +208,7 @@ fn exposure(object: &str, what: &str, value: &Value) -> mlua::Result<Exposure> {
         }
         Value::String(word) if word == "auto" => Ok(Exposure::Auto),
         Value::String(word) => {
-            let allowed = "\"auto\", a factor above 0, {ev = stops}";
+            let allowed = "\"auto\", a factor above 0, {ev = stops}, {adaptation = cd/m²}";
             let found = format!("\"{}\"", word.to_string_lossy());
             Err(Error::out_of_range(object, what, found, allowed).into())
         }

@@ -3,13 +3,13 @@
 use mlua::Value;
 
 use super::host::Host;
-use super::kinds::{Count, Custom, Kind, Number, Or, nested};
+use super::kinds::{Choice, Count, Custom, Kind, Number, Or, nested};
 use super::options::{self, Options, Range};
 use super::record::{Record, options};
 use super::spectrum::STEP;
 use crate::error::Error;
 use crate::render::{Asked, Quality, RenderStats, Samples};
-use crate::shading::TraceLimits;
+use crate::shading::{Layers, TraceLimits};
 use crate::spectrum::WavelengthGrid;
 
 const MAX_SAMPLES_A_PIXEL: u64 = 1_000_000;
@@ -22,6 +22,9 @@ options! {
         target_error: Option<f64> = Number(Range::between(0.0, 1.0, "")).optional(""),
         /// bound on the relative error of the sum over light samples; 0 is the exact sum
         light_error: f64 = light_error(),
+        /// parts that the picture keeps: for each light, or direct, mirrored and transmitted light
+        layers: Option<Layers> = Choice(&[("lights", Layers::Lights), ("paths", Layers::Paths)])
+            .optional("none"),
         ..trace: TraceOptions,
     }
 }
@@ -67,7 +70,8 @@ pub(super) fn asked(object: &str, value: Value) -> mlua::Result<Asked> {
     let given = QualityOptions::from_options(&options)?;
     let Some(target) = given.target_error else {
         let quality = given.trace.quality(given.light_error);
-        return Ok(Asked::Quality(Quality { samples: given.samples, ..quality }));
+        let layers = given.layers.unwrap_or_default();
+        return Ok(Asked::Quality(Quality { samples: given.samples, layers, ..quality }));
     };
     for key in QualityOptions::keys() {
         if key != "target_error" && options.has(key)? {

@@ -57,6 +57,7 @@ local done = lampyris.sweep {
   scene = scene,
   views = views,
   quality = { samples = 4 },
+  png = { look = "seen" }, -- or "paper", "camera"; changed later, nothing is rendered again
   output = "first",
   regions = { center = { x = width // 2 - 4, y = width * 3 // 8 - 4, width = 8, height = 8 } },
 }

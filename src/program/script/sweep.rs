@@ -8,9 +8,10 @@ use std::sync::Arc;
 use mlua::{Lua, Table, Value};
 use serde_json::json;
 
+use super::fault;
 use super::host::{self, Host};
 use super::image::RegionOptions;
-use super::kinds::{Custom, Handle, Kind, Nested, Text, any, missing};
+use super::kinds::{Choice, Custom, Handle, Kind, Nested, Text, any, missing};
 use super::look::PngOptions;
 use super::options::{self, Arguments};
 use super::quality::QUALITY;
@@ -18,11 +19,11 @@ use super::record::{Record, options};
 use super::scene::LuaScene;
 use super::view::LuaView;
 use super::views::Views;
-use super::{fault, image};
+use crate::display::{Look, Tone};
 use crate::image::Region;
 use crate::program::fields::Cell;
 use crate::program::results::SWEPT;
-use crate::program::sweep::{self, Digest, FileDigest, Plan, Shot, Source};
+use crate::program::sweep::{self, Digest, FileDigest, Pictures, Plan, Share, Shot, Source};
 use crate::render::{Asked, Quality};
 
 options! {
@@ -39,6 +40,10 @@ options! {
         png: PngOptions = Nested::new(),
         /// whose spectra and chromaticities manifest and page show
         regions: Vec<(String, Region)> = REGIONS.or(Vec::new()),
+        /// automatic exposure of the pictures: the brightest view's for all, or each view's own
+        exposure: Share = SHARE.or(Share::One),
+        /// range of the pictures of luminance
+        false_color: Share = SHARE.or(Share::One),
     }
 }
 
@@ -51,6 +56,8 @@ options! {
     }
 }
 
+const SHARE: Choice<Share> = Choice(&[("one", Share::One), ("each", Share::Each)]);
+
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     module.set("sweep", fault::function(lua, |lua, a| sweep(lua, Arguments::new("sweep", a, 1)?))?)
 }
@@ -62,9 +69,15 @@ fn sweep(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Cell> {
     let shard = host.settings.shard;
     let ours = |index| shard.is_none_or(|shard| shard.has(index));
     let digests = RefCell::default();
+    let look = given.png.look()?;
     let plan = Plan {
         asked: given.quality,
-        look: given.png.look()?,
+        pictures: Pictures {
+            read_by_look: read_by_look(&look, &host, &mut digests.borrow_mut())?,
+            look,
+            exposure: given.exposure,
+            false_color: given.false_color,
+        },
         regions: given.regions,
         shard,
         script: script_name(&host),
@@ -77,7 +90,7 @@ fn sweep(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Cell> {
     let count = views.count();
     let shots = (1..).map_while(|index| views.next(lua, index).transpose());
     let done = plan.run(&path, shots, count)?;
-    image::warn_of_gamut(&host, &format!("{output}/*.png"), &done.gamut);
+    host.note_clipped(&plan.pictures.look, &done.gamut, done.rendered + done.kept);
     let mut report = vec![("folder", path.display().to_string().as_str().into())];
     report.extend(SWEPT.cells(&done));
     Ok(Cell::Record(report))
@@ -85,6 +98,14 @@ fn sweep(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Cell> {
 
 fn script_name(host: &Host) -> String {
     host.script.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// What a function does is in the script and in what it reads.
+fn read_by_look(look: &Look, host: &Host, digests: &mut Digests) -> crate::Result<String> {
+    match look.tone {
+        Tone::Curve(_) => Ok(format!("{:?}", source(host, digests)?)),
+        _ => Ok(String::new()),
+    }
 }
 
 /// What the script is and has read so far.

@@ -2,29 +2,36 @@
 
 use std::path::Path;
 
+use super::look_record::display_of;
 use super::manifest::{Entry, Manifest};
-use super::record::display_from_record;
+use super::page;
+use crate::color::{D65_XY, Xyz};
 use crate::display::{Display, DisplayImage, GamutReport};
 use crate::error::{Error, Result};
 use crate::output::{self, Raster, Samples};
+use crate::program::figure::words;
 
 const NAME: &str = "contact_sheet.png";
 /// Pixels; a view is made smaller, never larger.
 const THUMBNAIL_WIDTH: usize = 240;
 const MARGIN: usize = 8;
 const MOST_COLUMNS: usize = 6;
+const LABEL_HEIGHT: usize = 18;
+const LABEL_SIZE: u32 = 13;
+const LABEL_CD_M2: f64 = 60.0;
 
 /// Writes the sheet and returns its name, or `None` for a sweep without views.
 ///
 /// Errors: [`Error::Io`]; a PNG file that does not read back.
 pub(super) fn write(folder: &Path, manifest: &Manifest) -> Result<Option<&'static str>> {
-    let Some(display) = display_from_record(&manifest.display) else {
+    let Some(display) = manifest.pictures.get("look").and_then(display_of) else {
         return Err(Error::inconsistent("sweep", "the manifest's display is none"));
     };
     let linear = LinearTables::new(&display);
     let thumbnail = |entry: &Entry| {
         let (raster, bits) = output::read_png(&folder.join(format!("{}.png", entry.name)))?;
-        Ok(linear.thumbnail(&raster, bits, &display))
+        let label = label(entry, &display)?;
+        Ok(linear.thumbnail(&raster, bits, &display).over(label))
     };
     let thumbnails: Vec<Thumbnail> = manifest.views.iter().map(thumbnail).collect::<Result<_>>()?;
     if thumbnails.is_empty() {
@@ -39,6 +46,31 @@ struct Thumbnail {
     width: usize,
     height: usize,
     digits: Vec<[u16; 3]>,
+}
+
+impl Thumbnail {
+    /// With another below it.
+    fn over(mut self, other: Self) -> Self {
+        let width = self.width.max(other.width);
+        let rows = |part: &Self| -> Vec<[u16; 3]> {
+            let padded = |row: &[[u16; 3]]| [row, &vec![[0; 3]; width - row.len()]].concat();
+            part.digits.chunks(part.width).flat_map(padded).collect()
+        };
+        self.digits = [rows(&self), rows(&other)].concat();
+        Self { width, height: self.height + other.height, digits: self.digits }
+    }
+}
+
+/// The view's name and angles in light gray.
+fn label(entry: &Entry, display: &Display) -> Result<Thumbnail> {
+    let (width, height) = (THUMBNAIL_WIDTH, LABEL_HEIGHT);
+    let ink = words(&page::title(entry), LABEL_SIZE, [width as u32, height as u32])?;
+    // As bright as sRGB's white at most: HDR displays can do ten times that.
+    let gray = Xyz::from_xy(D65_XY, LABEL_CD_M2.min(0.8 * display.white().y));
+    let digit = |coverage: f64| {
+        display.digits_from_xyz(gray * coverage + display.black()).unwrap_or_default()
+    };
+    Ok(Thumbnail { width, height, digits: ink.into_iter().map(digit).collect() })
 }
 
 /// Light of each sample value, so that thumbnails average light and not digits.
@@ -133,6 +165,18 @@ mod tests {
         assert_eq!((small.width, small.height), (240, 1));
         // Half the light of white is digit 188, not 128.
         assert!(small.digits.iter().all(|d| *d == [188; 3]));
+    }
+
+    #[test]
+    fn labels_are_light_on_black() {
+        let name = "view_0001".to_owned();
+        let label = label(&Entry { name, ..Entry::new() }, &Display::srgb()).unwrap();
+        let bright = label.digits.iter().filter(|digit| digit[0] > 150).count();
+        assert!(bright > 50 && bright < label.digits.len() / 4, "{bright}");
+        let thumbnail = Thumbnail { width: 300, height: 1, digits: vec![[9; 3]; 300] };
+        let both = thumbnail.over(label);
+        assert_eq!((both.width, both.height), (300, 1 + LABEL_HEIGHT));
+        assert_eq!(both.digits.len(), 300 * (1 + LABEL_HEIGHT));
     }
 
     #[test]

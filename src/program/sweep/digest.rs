@@ -30,6 +30,7 @@ impl Digest {
         }
     }
 
+    /// The digest of these bytes.
     pub fn of_bytes(bytes: &[u8]) -> Self {
         let mut hasher = Hasher::new();
         hasher.bytes(bytes);
@@ -42,6 +43,7 @@ impl Digest {
         good.then(|| Self(text.to_owned()))
     }
 
+    /// 64 hexadecimal digits.
     pub fn as_str(&self) -> &str {
         &self.0
     }
@@ -57,10 +59,12 @@ impl fmt::Display for Digest {
 pub struct Hasher(Sha256);
 
 impl Hasher {
+    /// Nothing yet.
     pub fn new() -> Self {
         Self(Sha256::new())
     }
 
+    /// Adds bytes, not set apart from what is around them.
     pub fn bytes(&mut self, bytes: &[u8]) {
         self.0.update(bytes);
     }
@@ -79,6 +83,7 @@ impl Hasher {
         }
     }
 
+    /// The digest of all that was added.
     pub fn finish(self) -> Digest {
         use std::fmt::Write;
         let mut hex = String::with_capacity(64);

@@ -4,6 +4,7 @@ use super::digest::{Digest, Hasher};
 use crate::geometry::mesh::Shading;
 use crate::geometry::{DVec3, Mesh};
 use crate::light::RaySet;
+use crate::material::Material;
 use crate::scene::{Background, Light, Object, Scene};
 
 /// Digest of all that rendering reads from `scene`.
@@ -17,6 +18,9 @@ pub fn of_scene(scene: &Scene) -> Digest {
         Background::Even(spectrum) => format!("{spectrum:?}"),
         Background::Environment(environment) => format!("{:?}", environment.parts()),
     };
+    // A name is for messages.
+    let unnamed = |m: &Material| Material { name: String::new(), ..m.clone() };
+    let materials: Vec<Material> = materials.iter().map(unnamed).collect();
     hasher.text(&format!("{materials:?} {background} {ambient:?} {photometry:?} {shadows:?}"));
     for Object { mesh, material } in objects {
         hasher.text(&format!("object {material:?}"));
@@ -78,7 +82,7 @@ mod tests {
     use super::*;
     use crate::color::Photometry;
     use crate::light::RaySample;
-    use crate::material::{Lobes, Material};
+    use crate::material::Lobes;
     use crate::scene::{MaterialId, Shadows};
     use crate::spectrum::Spectrum;
     use std::sync::Arc;
@@ -118,6 +122,9 @@ mod tests {
     fn every_change_changes_the_digest() {
         let base = of_scene(&scene());
         assert_eq!(base, of_scene(&scene()));
+        let mut renamed = scene();
+        renamed.materials[0].name = "another".to_owned();
+        assert_eq!(base, of_scene(&renamed), "a name is no light");
         let changes: [fn(&mut Scene); 7] = [
             |s| s.materials[0].k_rg = 1e-300,
             |s| s.background = Background::Even(Spectrum::constant(1e-30)),

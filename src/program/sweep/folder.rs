@@ -5,8 +5,10 @@ use std::fs::{self, File, TryLockError};
 use std::path::{Path, PathBuf};
 
 use super::manifest::{Entry, FileDigest, Manifest, Source};
+use super::pictures::Pictures;
 use super::shard::Shard;
 use super::{page, timings};
+use crate::display::GamutReport;
 use crate::error::{Error, Result};
 
 /// Name of a whole sweep's manifest.
@@ -68,8 +70,9 @@ impl Folder {
         self.shard.is_none_or(|shard| shard.has(index))
     }
 
-    pub fn set_display(&mut self, display: serde_json::Value) {
-        self.manifest.display = display;
+    /// How the pictures are made.
+    pub fn set_pictures(&mut self, record: serde_json::Value) {
+        self.manifest.pictures = record;
     }
 
     /// Inputs and seeds grow while a script runs.
@@ -77,18 +80,11 @@ impl Folder {
         self.manifest.source = source;
     }
 
-    /// Whether the view is there already, made from the same things, its files untouched. Then it
-    /// is this run's too.
-    pub fn keep(&mut self, index: usize, name: &str, key: &super::Digest) -> bool {
-        let Some(entry) = self.known.get(name) else {
-            return false;
-        };
-        if entry.key != *key || !entry.is_whole(&self.path) {
-            return false;
-        }
-        let entry = Entry { index, ..entry.clone() };
-        self.put(entry);
-        true
+    /// The view if it is there already, made from the same things, its image untouched.
+    pub fn kept(&self, index: usize, name: &str, key: &super::Digest) -> Option<Entry> {
+        let entry = self.known.get(name)?;
+        let is_good = entry.key == *key && entry.is_whole(&self.path);
+        is_good.then(|| Entry { index, ..entry.clone() })
     }
 
     /// What a killed process left of a view, which is this run's alone to write.
@@ -107,13 +103,13 @@ impl Folder {
         self.seconds.extend(seconds);
     }
 
-    /// A view whose files are there, to be named by the final manifest.
+    /// A view whose image is there, to be named by the final manifest.
     pub(super) fn put(&mut self, entry: Entry) {
         self.earlier.remove(&entry.name);
         self.manifest.views.push(entry);
     }
 
-    /// A view whose files have been written.
+    /// A view whose image has been written.
     ///
     /// Errors: [`Error::Io`].
     pub fn add(&mut self, entry: Entry, seconds: f64) -> Result<()> {
@@ -125,21 +121,24 @@ impl Folder {
         so_far.write(&self.path.join(manifest_name(self.shard)))
     }
 
-    /// All views are there: contact sheet, page, and the final manifest.
+    /// All views are there: pictures, contact sheet, page, and the final manifest. A shard leaves
+    /// pictures and pages to [`super::merge`]. Returns what the display cannot show.
     ///
-    /// Errors: [`Error::Io`]; a PNG file that does not read back.
-    pub fn finish(mut self) -> Result<Manifest> {
+    /// Errors: [`Error::Io`]; an EXR or PNG file that does not read back.
+    pub fn finish(mut self, pictures: &Pictures) -> Result<GamutReport> {
+        let mut gamut = GamutReport::default();
         self.manifest.views.sort_by_key(|entry| entry.index);
         self.manifest.is_complete = true;
         timings::write(&self.path, self.shard, &self.timings_of_views())?;
         if self.shard.is_none() {
+            gamut = pictures.write_all(&self.path, &mut self.manifest.views)?;
             self.manifest.pages = page::write(&self.path, &self.manifest)?;
         }
         self.manifest.write(&self.path.join(manifest_name(self.shard)))?;
         if self.shard.is_none() {
             self.remove_left_over()?;
         }
-        Ok(self.manifest)
+        Ok(gamut)
     }
 
     fn timings_of_views(&self) -> BTreeMap<String, f64> {
@@ -149,9 +148,8 @@ impl Folder {
 
     /// Removes files that earlier manifests name and this one does not, and shards' manifests.
     fn remove_left_over(&self) -> Result<()> {
-        let current: Vec<&FileDigest> =
-            self.manifest.views.iter().flat_map(|entry| &entry.outputs).collect();
-        for output in self.known.values().flat_map(|entry| &entry.outputs) {
+        let current: Vec<&FileDigest> = self.manifest.views.iter().flat_map(Entry::files).collect();
+        for output in self.known.values().flat_map(Entry::files) {
             if !current.iter().any(|file| file.path == output.path) {
                 remove(&self.path.join(&output.path))?;
             }

@@ -14,9 +14,11 @@ const FORMAT: &str = "lampyris sweep 1";
 /// Everything about a sweep that does not change from run to run.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Manifest {
+    /// What the sweep was made from.
     pub source: Source,
-    /// Parameters of the display that the PNG files are for.
-    pub display: Value,
+    /// How the PNG files are made, see `Pictures`.
+    pub pictures: Value,
+    /// The finished views, by their place.
     pub views: Vec<Entry>,
     /// Contact sheet and page; empty until all views are there.
     pub pages: Vec<FileDigest>,
@@ -31,7 +33,9 @@ pub struct Source {
     pub program: String,
     /// Digest of the program's file; `None` where the system does not show it.
     pub executable: Option<Digest>,
+    /// The script that made the sweep.
     pub script: Option<FileDigest>,
+    /// What the script got from the command line.
     pub arguments: Vec<String>,
     /// Everything that the script read, by the names that it used, in their order.
     pub inputs: Vec<FileDigest>,
@@ -42,7 +46,9 @@ pub struct Source {
 /// A file and its content.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileDigest {
+    /// As it was written or read.
     pub path: String,
+    /// Digest of its bytes.
     pub digest: Digest,
 }
 
@@ -53,16 +59,20 @@ pub struct Entry {
     pub index: usize,
     /// Names its files.
     pub name: String,
-    /// Digest of all that the outputs depend on.
+    /// Digest of all that the image depends on.
     pub key: Digest,
-    /// Beside the manifest.
+    /// The image, beside the manifest.
     pub outputs: Vec<FileDigest>,
+    /// Digest of all that the pictures depend on; `None` as long as there are none.
+    pub picture_key: Option<Digest>,
+    /// What was developed from the image, beside the manifest.
+    pub pictures: Vec<FileDigest>,
     /// View, quality, statistics, regions: for people and the page.
     pub details: Map<String, Value>,
 }
 
 impl FileDigest {
-    /// Of `name` in `folder`. Errors: [`Error::Io`].
+    /// Digests `name` in `folder`. Errors: [`Error::Io`].
     pub fn of(folder: &Path, name: &str) -> Result<Self> {
         Ok(Self { path: name.to_owned(), digest: Digest::of_file(&folder.join(name))? })
     }
@@ -99,12 +109,32 @@ fn to_list<'a, T: 'a>(items: impl IntoIterator<Item = &'a T>, item: impl Fn(&T) 
 }
 
 impl Entry {
+    /// Nothing yet.
+    pub(super) fn new() -> Self {
+        Self {
+            index: 0,
+            name: String::new(),
+            key: Digest::of_bytes(b""),
+            outputs: Vec::new(),
+            picture_key: None,
+            pictures: Vec::new(),
+            details: Map::new(),
+        }
+    }
+
+    /// All its files.
+    pub fn files(&self) -> impl Iterator<Item = &FileDigest> {
+        self.outputs.iter().chain(&self.pictures)
+    }
+
     fn to_json(&self) -> Value {
         json!({
             "index": self.index,
             "name": self.name,
             "key": self.key.as_str(),
             "outputs": to_list(&self.outputs, FileDigest::to_json),
+            "picture_key": self.picture_key.as_ref().map(Digest::as_str),
+            "pictures": to_list(&self.pictures, FileDigest::to_json),
             "details": self.details,
         })
     }
@@ -115,11 +145,16 @@ impl Entry {
             name: value.get("name")?.as_str()?.to_owned(),
             key: Digest::parse(value.get("key")?.as_str()?)?,
             outputs: list(value.get("outputs"), FileDigest::beside_from_json)?,
+            picture_key: value.get("picture_key").and_then(Value::as_str).and_then(Digest::parse),
+            pictures: match value.get("pictures") {
+                None => Vec::new(),
+                pictures => list(pictures, FileDigest::beside_from_json)?,
+            },
             details: value.get("details")?.as_object()?.clone(),
         })
     }
 
-    /// Whether all outputs lie in `folder` as they were written.
+    /// Whether the image lies in `folder` as it was written.
     pub fn is_whole(&self, folder: &Path) -> bool {
         self.outputs.iter().all(|output| output.is_in(folder))
     }
@@ -151,7 +186,7 @@ impl Manifest {
             "arguments": arguments,
             "inputs": to_list(inputs, FileDigest::to_json),
             "seeds": seeds,
-            "display": self.display,
+            "pictures": self.pictures,
             "views": to_list(&self.views, Entry::to_json),
             "pages": to_list(&self.pages, FileDigest::to_json),
             "complete": self.is_complete,
@@ -162,7 +197,7 @@ impl Manifest {
     fn from_json(value: &Value) -> Option<Self> {
         Some(Self {
             source: Source::from_json(value)?,
-            display: value.get("display")?.clone(),
+            pictures: value.get("pictures").cloned().unwrap_or_default(),
             views: list(value.get("views"), Entry::from_json)?,
             pages: list(value.get("pages"), FileDigest::beside_from_json)?,
             is_complete: value.get("complete")?.as_bool()?,
@@ -209,12 +244,14 @@ mod tests {
                 inputs: vec![file("../data/a.csv")],
                 seeds: json!([]),
             },
-            display: json!({ "name": "sRGB" }),
+            pictures: json!({ "exposure": "one" }),
             views: vec![Entry {
                 index: 1,
                 name: "view_0001".to_owned(),
                 key: Digest::of_bytes(b"key"),
                 outputs: vec![file(output)],
+                picture_key: Some(Digest::of_bytes(b"look")),
+                pictures: vec![file("view_0001.png")],
                 details,
             }],
             pages: vec![file("index.html")],

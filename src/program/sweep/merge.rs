@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use super::folder::{Folder, manifest_names};
 use super::manifest::{Entry, FileDigest, Manifest};
+use super::pictures;
 use super::shard::Shard;
 use super::timings;
 use crate::error::{Error, Result};
@@ -15,11 +16,14 @@ use crate::output;
 /// What [`merge`] did.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Merged {
+    /// Parts that were joined.
     pub shards: usize,
+    /// Views of all of them.
     pub views: usize,
 }
 
-/// Makes one whole sweep in `into` from the shards whose manifests lie in `folders`.
+/// Makes one whole sweep in `into` from the shards whose manifests lie in `folders`, and develops
+/// its pictures.
 ///
 /// Errors: shards that are missing, unfinished or of different sweeps; outputs that are not what
 /// their manifest says; [`Error::Io`].
@@ -37,7 +41,8 @@ pub fn merge(folders: &[PathBuf], into: &Path) -> Result<Merged> {
     check(&shards)?;
     let (_, (_, first)) = shards.first_key_value().ok_or_else(no_shards)?;
     let mut target = Folder::open(into, None, first.source.clone())?;
-    target.set_display(first.display.clone());
+    let pictures = pictures::from_manifest(&first.pictures)?;
+    target.set_pictures(first.pictures.clone());
     let merged = Merged {
         shards: shards.len(),
         views: shards.values().map(|(_, manifest)| manifest.views.len()).sum(),
@@ -48,7 +53,7 @@ pub fn merge(folders: &[PathBuf], into: &Path) -> Result<Merged> {
             take(entry, folder, &mut target)?;
         }
     }
-    target.finish()?;
+    target.finish(&pictures)?;
     Ok(merged)
 }
 
@@ -77,8 +82,8 @@ fn check(shards: &Shards) -> Result<()> {
         return Err(fault(format!("missing or unfinished shards: {}", missing.join(", "))));
     }
     for (shard, (_, manifest)) in shards {
-        if manifest.source != model.source || manifest.display != model.display {
-            let problem = "differ in program or its build, script, arguments, inputs or display";
+        if manifest.source != model.source || manifest.pictures != model.pictures {
+            let problem = "differ in program or its build, script, arguments, inputs or look";
             return Err(fault(format!("shards {first} and {shard} {problem}")));
         }
     }

@@ -1,6 +1,7 @@
 //! Many views as one experiment: a folder that can be stopped, resumed, shared out and checked.
 //!
-//! [`Plan::run`]: `Folder::open → (kept, or render and add) for each view → finish`. Every file is written whole
+//! [`Plan::run`]: `Folder::open → (kept, or render and add) for each view → finish`, which develops
+//! the pictures of all views from their EXR files: a changed look renders nothing. Every file is written whole
 //! or not at all, and a view counts only once the manifest names its outputs with their digests;
 //! so a sweep that is killed at any moment goes on where it was, to the same bytes.
 //!
@@ -12,10 +13,12 @@ mod contact_sheet;
 mod digest;
 mod fingerprint;
 mod folder;
+mod look_record;
 mod luminance;
 mod manifest;
 mod merge;
 mod page;
+mod pictures;
 mod plan;
 mod program;
 mod record;
@@ -26,9 +29,9 @@ mod verify;
 pub use digest::Digest;
 pub use fingerprint::of_scene;
 pub use folder::MANIFEST;
-pub use luminance::LuminanceScale;
 pub use manifest::{Entry, FileDigest, Manifest, Source};
 pub use merge::{Merged, merge};
+pub use pictures::{Pictures, Share};
 pub use plan::{Done, Plan, Shot, check_name};
 pub use program::{executable, program};
 pub use record::Reading;

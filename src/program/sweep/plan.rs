@@ -1,4 +1,4 @@
-//! Runs a sweep: each view is kept or rendered, developed, read and entered in the manifest.
+//! Runs a sweep: each view is kept or rendered and measured; then all are developed.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -9,18 +9,16 @@ use serde_json::{Map, Value, json};
 
 use super::digest::{Digest, Hasher};
 use super::folder::Folder;
-use super::luminance::{LuminanceScale, luminance_raster};
 use super::manifest::{Entry, FileDigest, Source};
-use super::page::luminance_name;
-use super::record::{Reading, display_record};
+use super::pictures::{Pictures, rows};
 use super::shard::Shard;
 use super::{executable, program};
-use crate::display::{GamutReport, Look, Tone};
+use crate::display::GamutReport;
 use crate::error::{Error, Result};
 use crate::image::{Region, SpectralImage};
 use crate::output;
 use crate::program::progress::Progress;
-use crate::program::results::{ASKED, READING, STATS, VIEW};
+use crate::program::results::{ASKED, STATS, VIEW};
 use crate::program::stage::Stage;
 use crate::render::{Asked, RenderStats, Watch, why_black};
 use crate::scene::plausibility;
@@ -39,11 +37,11 @@ pub struct Shot {
 
 /// What all views of a sweep share.
 pub struct Plan<'a> {
-    /// Quality of the pictures.
+    /// Quality of the images.
     pub asked: Asked,
     /// How they are shown.
-    pub look: Look,
-    /// Parts of the pictures to read, by name.
+    pub pictures: Pictures,
+    /// Parts of the images to read, by name.
     pub regions: Vec<(String, Region)>,
     /// The views that are this run's; `None` for all.
     pub shard: Option<Shard>,
@@ -64,7 +62,7 @@ pub struct Done {
     pub rendered: usize,
     /// Views that were there already.
     pub kept: usize,
-    /// What the display cannot show of the rendered ones.
+    /// What the display cannot show of the pictures that were developed.
     pub gamut: GamutReport,
 }
 
@@ -79,7 +77,7 @@ impl Plan<'_> {
         count: Option<usize>,
     ) -> std::result::Result<Done, E> {
         let mut folder = Folder::open(folder, self.shard, (self.source)()?)?;
-        folder.set_display(display_record(&self.look.display));
+        folder.set_pictures(self.pictures.record());
         let mut done = Done::default();
         let mut names = BTreeSet::new();
         for (index, shot) in (1..).zip(shots) {
@@ -93,7 +91,7 @@ impl Plan<'_> {
             }
         }
         folder.set_source((self.source)()?);
-        folder.finish()?;
+        done.gamut = folder.finish(&self.pictures)?;
         Ok(done)
     }
 
@@ -106,10 +104,11 @@ impl Plan<'_> {
         count: Option<usize>,
         done: &mut Done,
     ) -> Result<()> {
-        let key = self.key(shot)?;
-        if folder.keep(index, &shot.name, &key) {
+        let key = self.key(shot);
+        if let Some(entry) = folder.kept(index, &shot.name, &key) {
             done.kept += 1;
             self.progress.pixels_done(shot.view.pixels());
+            folder.put(self.measured(folder.path(), entry)?);
             return Ok(());
         }
         if count.is_none() {
@@ -119,29 +118,37 @@ impl Plan<'_> {
         self.progress.begin_view(index, count);
         let start = Instant::now();
         let (image, stats) = self.render(shot)?;
-        let (outputs, mut details) = self.write(folder.path(), shot, &image, done)?;
-        details.extend(self.details(shot, &image, &stats)?);
+        let exr = format!("{}.exr", shot.name);
+        output::write_exr(&folder.path().join(&exr), &image)?;
+        let mut details = self.details(shot, &image, &stats);
+        details.extend(self.pictures.measure(&image, &self.regions)?);
         folder.set_source((self.source)()?);
-        let entry = Entry { index, name: shot.name.clone(), key, outputs, details };
+        let outputs = vec![FileDigest::of(folder.path(), &exr)?];
+        let entry = Entry { index, name: shot.name.clone(), key, outputs, details, ..Entry::new() };
         folder.add(entry, start.elapsed().as_secs_f64())?;
         done.rendered += 1;
         Ok(())
     }
 
-    /// Digest of everything that the files of a view depend on.
-    fn key(&self, shot: &Shot) -> Result<Digest> {
+    /// Digest of everything that a view's image depends on, and nothing that only its picture does.
+    fn key(&self, shot: &Shot) -> Digest {
         let mut hasher = Hasher::new();
         hasher.text(&program());
         hasher.text(executable().map_or("", Digest::as_str));
         hasher.text(&self.script);
         hasher.text(shot.stage.fingerprint().as_str());
-        let (view, asked, regions) = (&shot.view, &self.asked, &self.regions);
-        hasher.text(&format!("{view:?} {asked:?} {regions:?} {:?}", self.look));
-        if matches!(self.look.tone, Tone::Curve(_)) {
-            // What a function does is in the script and in what it reads.
-            hasher.text(&format!("{:?}", (self.source)()?));
+        hasher.text(&format!("{:?} {:?}", shot.view, self.asked));
+        hasher.finish()
+    }
+
+    /// An entry with what picture and page need, measured again if that is of another look.
+    fn measured(&self, folder: &Path, mut entry: Entry) -> Result<Entry> {
+        let key = self.pictures.measure_key(&self.regions);
+        if entry.details.get("measured").and_then(Value::as_str) != Some(key.as_str()) {
+            let image = output::read_exr(&folder.join(format!("{}.exr", entry.name)))?;
+            entry.details.extend(self.pictures.measure(&image, &self.regions)?);
         }
-        Ok(hasher.finish())
+        Ok(entry)
     }
 
     fn render(&self, shot: &Shot) -> Result<(SpectralImage, RenderStats)> {
@@ -157,54 +164,20 @@ impl Plan<'_> {
         Ok((image, stats))
     }
 
-    /// The view's files, and what its pictures were made with.
-    fn write(
-        &self,
-        folder: &Path,
-        shot: &Shot,
-        image: &SpectralImage,
-        done: &mut Done,
-    ) -> Result<(Vec<FileDigest>, Map<String, Value>)> {
-        let name = &shot.name;
-        let names = [format!("{name}.exr"), format!("{name}.png"), luminance_name(name)];
-        let [exr, png, luminance] = names.each_ref().map(|name| folder.join(name));
-        output::write_exr(&exr, image)?;
-        let picture = output::develop_png(&png, image, &self.look)?.picture;
-        done.gamut = done.gamut.merge(picture.gamut);
-        let xyz = image.to_xyz();
-        let scale = LuminanceScale::of(&xyz);
-        output::write_png(&luminance, &luminance_raster(&xyz, scale)?)?;
-        let details = [
-            ("exposure", json!(picture.exposure_factor)),
-            ("luminance", json!({ "top": scale.top, "max": scale.max })),
-        ];
-        let outputs = names.iter().map(|name| FileDigest::of(folder, name));
-        Ok((outputs.collect::<Result<_>>()?, rows(details)))
-    }
-
     fn details(
         &self,
         shot: &Shot,
         image: &SpectralImage,
         stats: &RenderStats,
-    ) -> Result<Map<String, Value>> {
-        let mut readings = Map::new();
-        for (name, region) in &self.regions {
-            readings.insert(name.clone(), READING.record(&Reading::of(image, *region)?).to_json());
-        }
-        Ok(rows([
+    ) -> Map<String, Value> {
+        rows([
             ("view", VIEW.record(&shot.view).to_json()),
             ("quality", ASKED.record(&self.asked).to_json()),
             ("stats", STATS.record(stats).to_json()),
             ("scene", json!(shot.stage.fingerprint().as_str())),
             ("photometry", json!(format!("{:?}", image.photometry).to_lowercase())),
-            ("regions", readings.into()),
-        ]))
+        ])
     }
-}
-
-fn rows<const N: usize>(rows: [(&str, Value); N]) -> Map<String, Value> {
-    rows.map(|(key, value)| (key.to_owned(), value)).into_iter().collect()
 }
 
 /// Names of views become names of files.

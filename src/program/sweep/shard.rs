@@ -8,6 +8,7 @@ use std::str::FromStr;
 pub struct Shard {
     /// 1 to `count`.
     pub number: usize,
+    /// Parts of the sweep, ≥ 1.
     pub count: usize,
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::manifest::{FileDigest, Manifest};
+use super::manifest::{Entry, FileDigest, Manifest};
 use crate::error::Result;
 
 /// What [`verify`] found.
@@ -27,7 +27,7 @@ pub fn verify(manifest: &Path, script: Option<&Path>) -> Result<Report> {
     if !content.is_complete {
         report.problems.push("the sweep is not finished: run it again to go on".to_owned());
     }
-    let outputs = content.views.iter().flat_map(|view| &view.outputs).chain(&content.pages);
+    let outputs = content.views.iter().flat_map(Entry::files).chain(&content.pages);
     for file in outputs {
         report.check(file, &folder.join(&file.path));
     }

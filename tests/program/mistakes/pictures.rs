@@ -35,7 +35,7 @@ pub const FAULTS: &[[&str; 3]] = &[
     [
         "unknown quality",
         "scene:render(view, { spp = 4 })",
-        "scene:render: unknown key \"spp\" (keys: light_error, max_depth, min_throughput, samples, target_error, wavelength_step)",
+        "scene:render: unknown key \"spp\" (keys: layers, light_error, max_depth, min_throughput, samples, target_error, wavelength_step)",
     ],
     [
         "region outside of the image",
@@ -49,8 +49,8 @@ pub const FAULTS: &[[&str; 3]] = &[
     ],
     [
         "image of another kind",
-        "scene:render(view):save 'v.jpg'",
-        "image:save: path is \"v.jpg\", allowed: names ending in .exr or .png",
+        "scene:render(view):save 'v.bmp'",
+        "image:save: path is \"v.bmp\", allowed: names ending in .exr, .hdr, .jpg, .png or .tif",
     ],
     [
         "image outside of the output folder",
@@ -75,7 +75,7 @@ pub const FAULTS: &[[&str; 3]] = &[
     [
         "field of an image",
         "print(scene:render(view).luminence)",
-        "image: unknown key \"luminence\", did you mean \"luminance\"? (keys: compare, false_color, height, intensity, luminance, luminances, save, spectrum, stats, width, xyz)",
+        "image: unknown key \"luminence\", did you mean \"luminance\"? (keys: compare, false_color, height, intensity, layers, luminance, luminances, save, spectrum, stats, width, xyz)",
     ],
     [
         "display without primaries",
@@ -120,7 +120,37 @@ pub const FAULTS: &[[&str; 3]] = &[
     [
         "exposure by a word",
         "scene:render(view):save('v.png', { exposure = 'bright' })",
-        "image:save: \"exposure\" is \"bright\", allowed: \"auto\", a factor above 0, {ev = stops}",
+        "image:save: \"exposure\" is \"bright\", allowed: \"auto\", a factor above 0, {ev = stops}, {adaptation = cd/m²}",
+    ],
+    [
+        "look by a name that is nearly right",
+        "scene:render(view):save('v.png', { look = 'sen' })",
+        "image:save: \"look\" is \"sen\", did you mean \"seen\"?, allowed: \"camera\", \"paper\", \"seen\"",
+    ],
+    [
+        "JPEG of 16 bits",
+        "scene:render(view):save('v.jpg', { bits = 16 })",
+        "JPEG: holds 8 bits a channel: give a display of 8",
+    ],
+    [
+        "peak beyond PQ",
+        "L.display.p3_pq { peak = 20000 }",
+        "display.p3_pq: \"peak\" is 20000, allowed: between 0 and 10000 cd/m²",
+    ],
+    [
+        "image that is not there",
+        "L.image.load 'no.exr'",
+        "no.exr: No such file or directory (os error 2)",
+    ],
+    [
+        "sum of no images",
+        "L.image.sum {}",
+        "image sum: has no images",
+    ],
+    [
+        "camera of two channels",
+        "L.camera { red = L.spectrum.constant(1), green = L.spectrum.constant(1) }",
+        "camera: missing \"blue\", expected a spectrum",
     ],
     [
         "tone curve that fails",

@@ -38,7 +38,7 @@ fn html(folder: &Path, manifest: &Manifest) -> Result<String> {
         let picture = data_uri(folder, &format!("{}.png", entry.name))?;
         let luminance = data_uri(folder, &luminance_name(&entry.name))?;
         links += &link(entry);
-        sections += &section(entry, &picture, &luminance);
+        sections += &section(entry, &picture, &luminance)?;
     }
     let last = manifest.views.len().saturating_sub(1);
     Ok(format!(
@@ -46,10 +46,12 @@ fn html(folder: &Path, manifest: &Manifest) -> Result<String> {
          <meta name='viewport' content='width=device-width'><title>{title}</title>\n\
          <style>\n{}</style></head><body>\n<h1>{title}</h1>\n{}\
          <nav><input type='range' min='0' max='{last}' value='0' aria-label='view'>\
-         <output></output></nav>\n<div class='sheet'>\n{links}</div>\n{sections}\
-         <script src='timings.js'></script>\n<script>\n{}</script>\n</body></html>\n",
+         <output></output></nav>\n<div class='sheet'>\n{links}</div>\n{sections}{}\
+         <script src='timings.js'></script>\n<script>\n{}{}</script>\n</body></html>\n",
         include_str!("style.css"),
         provenance(manifest),
+        over_angles(&manifest.views)?,
+        color_scale(),
         include_str!("page.js"),
     ))
 }
@@ -84,12 +86,74 @@ fn escape(text: &str) -> String {
 fn provenance(manifest: &Manifest) -> String {
     let source = &manifest.source;
     let mut rows = row("program", &source.program);
-    let display = manifest.display.get("name").and_then(Value::as_str).unwrap_or_default();
-    rows += &row("display", display);
+    let look = manifest.pictures.get("look").unwrap_or(&Value::Null);
+    let text = |value: Option<&Value>| value.and_then(Value::as_str).unwrap_or_default().to_owned();
+    rows += &row("display", &text(look.get("display").and_then(|display| display.get("name"))));
+    let (tone, gamut) = (text(look.get("tone")), text(look.get("gamut")));
+    rows += &row("look", &format!("tone {tone}, gamut {gamut}"));
+    rows += &row("exposure", exposure_in_words(manifest, look));
     for file in source.script.iter().chain(&source.inputs) {
         rows += &row(&file.path, &format!("SHA-256 {}", file.digest));
     }
     format!("<details><summary>made from</summary><table>{rows}</table></details>\n")
+}
+
+fn exposure_in_words(manifest: &Manifest, look: &Value) -> &'static str {
+    let is_one = manifest.pictures.get("exposure").and_then(Value::as_str) == Some("one");
+    match (look.get("exposure").and_then(Value::as_str), is_one) {
+        (Some("auto"), true) => "one for all views: that of the brightest",
+        (Some("auto"), false) => "each view has its own",
+        _ => "given, the same for all views",
+    }
+}
+
+/// Luminance, and where there is one intensity, over the angle that changes most.
+fn over_angles(views: &[Entry]) -> Result<String> {
+    let angle = |entry: &Entry, key: &str| {
+        entry.details.get("view").map_or(0.0, |view| number(view, &[key]))
+    };
+    let extent = |key: &str| {
+        let angles = views.iter().map(|entry| angle(entry, key));
+        angles.clone().fold(f64::MIN, f64::max) - angles.fold(f64::MAX, f64::min)
+    };
+    let key = if extent("azimuth") >= extent("elevation") { "azimuth" } else { "elevation" };
+    if views.len() < 2 || extent(key) <= 0.0 {
+        return Ok(String::new());
+    }
+    let details = Value::from(views[0].details.clone());
+    let unit = luminance_unit(&details);
+    let quantities = [
+        (format!("largest luminance{unit}"), &["luminance", "max"][..]),
+        (format!("mean luminance{unit}"), &["luminance", "mean"]),
+        ("intensity (cd)".to_owned(), &["intensity"]),
+    ];
+    let mut charts = String::new();
+    for (label, keys) in quantities {
+        let value = |entry: &Entry| {
+            let details = Value::from(entry.details.clone());
+            let found = keys.iter().try_fold(&details, |value, key| value.get(key));
+            found.and_then(Value::as_f64).map(|value| [angle(entry, key), value])
+        };
+        let mut points: Vec<[f64; 2]> = views.iter().filter_map(value).collect();
+        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        if !points.is_empty() {
+            charts += &chart::over_angle(&label, &format!("{key} (°)"), points)?;
+        }
+    }
+    Ok(format!("<h2>over the angle</h2><div class='charts'>{charts}</div>\n"))
+}
+
+/// In brackets, or nothing for relative light.
+fn luminance_unit(details: &Value) -> &'static str {
+    match details.get("photometry").and_then(Value::as_str) {
+        Some("absolute") => " (cd/m²)",
+        _ => " (relative)",
+    }
+}
+
+/// The colors of luminance for the page's script.
+fn color_scale() -> String {
+    format!("const lampyrisColors = {:?};\n", scale_colors())
 }
 
 fn row(name: &str, value: &str) -> String {
@@ -102,7 +166,7 @@ fn number(value: &Value, keys: &[&str]) -> f64 {
 }
 
 /// A view in a few words.
-fn title(entry: &Entry) -> String {
+pub(super) fn title(entry: &Entry) -> String {
     let view = entry.details.get("view").unwrap_or(&Value::Null);
     let (azimuth, elevation) = (number(view, &["azimuth"]), number(view, &["elevation"]));
     format!("{}: azimuth {azimuth}°, elevation {elevation}°", entry.name)
@@ -114,27 +178,36 @@ fn link(entry: &Entry) -> String {
     format!("<a href='#{name}'><img alt=''>{title}</a>\n")
 }
 
-fn section(entry: &Entry, picture: &str, luminance: &str) -> String {
+fn section(entry: &Entry, picture: &str, luminance: &str) -> Result<String> {
     let details = Value::from(entry.details.clone());
     let (name, title) = (escape(&entry.name), escape(&title(entry)));
     let regions: Vec<(&String, &Value)> =
         details.get("regions").and_then(Value::as_object).into_iter().flatten().collect();
     let size = [number(&details, &["view", "width"]), number(&details, &["view", "height"])];
+    let unit = if luminance_unit(&details) == " (cd/m²)" { " cd/m²" } else { "" };
+    let [low, high] = luminance_scale(&details).range;
     let mut html = format!(
         "<section id='{name}' data-title='{title}'><h2>{title}</h2>\n<div class='pictures'>\
          <figure><div class='picture'><img alt='{title}' src='{picture}'>{}</div>\
-         <figcaption>as the display shows it, exposure {:.4e}</figcaption></figure>\
-         <figure><div class='picture'><img alt='luminance' src='{luminance}'></div>{}</figure>\
+         <figcaption>as the display shows it, exposure {:.4e} \
+         (cd/m² of the display for 1{})</figcaption></figure>\
+         <figure><div class='picture luminance' data-low='{low}' data-high='{high}' \
+         data-unit='{unit}'><img alt='luminance' src='{luminance}'></div>{}\
+         <p class='reading'>luminance under the pointer: –</p></figure>\
          </div>\n",
         outlines(&regions, size),
         number(&details, &["exposure"]),
+        if unit.is_empty() { " of the image's relative unit" } else { unit },
         luminance_legend(&details),
     );
     if !regions.is_empty() {
-        let (spectra, colors) = (chart::spectra(&regions), chart::chromaticities(&regions));
-        html += &format!("<div class='charts'>{spectra}{colors}</div>{}", readings(&regions));
+        let (spectra, colors) = (chart::spectra(&regions)?, chart::chromaticities(&regions)?);
+        html += &format!(
+            "<div class='charts'>{spectra}{colors}</div>{}",
+            readings(&regions, luminance_unit(&details))
+        );
     }
-    html + &facts(&details) + "</section>\n"
+    Ok(html + &facts(&details) + "</section>\n")
 }
 
 /// The regions, drawn over the picture.
@@ -149,10 +222,11 @@ fn outlines(regions: &[(&String, &Value)], [width, height]: [f64; 2]) -> String 
     format!("<svg viewBox='0 0 {width} {height}' preserveAspectRatio='none'>{rectangles}</svg>")
 }
 
-fn readings(regions: &[(&String, &Value)]) -> String {
-    let mut html = "<table><tr><th>region</th><th>luminance</th><th>x</th><th>y</th>\
-                    <th>UN R48</th></tr>"
-        .to_owned();
+fn readings(regions: &[(&String, &Value)], unit: &str) -> String {
+    let mut html = format!(
+        "<table><tr><th>region</th><th>luminance{unit}</th><th>x</th><th>y</th>\
+         <th>UN R48</th></tr>"
+    );
     for (at, (name, region)) in regions.iter().enumerate() {
         let xy = region.get("chromaticity").filter(|xy| !xy.is_null());
         let part = |c: usize| {
@@ -184,25 +258,29 @@ fn facts(details: &Value) -> String {
     format!("<table>{rows}</table>")
 }
 
+fn luminance_scale(details: &Value) -> LuminanceScale {
+    let range = details.get("false_color");
+    let end = |at: usize| range.and_then(|range| range.get(at)?.as_f64());
+    let range = end(0).zip(end(1)).map_or(LuminanceScale::BLACK, |(low, high)| [low, high]);
+    LuminanceScale { range, max: number(details, &["luminance", "max"]) }
+}
+
 /// What the colors of a luminance picture mean.
 fn luminance_legend(details: &Value) -> String {
     /// As many colors make a smooth band.
     const STOPS: usize = 16;
-    let scale = LuminanceScale {
-        top: number(details, &["luminance", "top"]) as i32,
-        max: number(details, &["luminance", "max"]),
-    };
+    let scale = luminance_scale(details);
     let absolute = details.get("photometry").and_then(Value::as_str) == Some("absolute");
     let unit = if absolute { " cd/m²" } else { "" };
     let all = scale_colors();
     let stops = (0..STOPS).map(|stop| all[stop * (all.len() - 1) / (STOPS - 1)]);
     let colors: Vec<String> = stops.map(|[r, g, b]| format!("rgb({r},{g},{b})")).collect();
-    let decades = scale.decades().map(|exponent| format!("<span>1e{exponent}</span>"));
+    let marks = scale.marks().map(|luminance| format!("<span>{luminance:.2e}</span>"));
     format!(
         "<div class='legend' style='background:linear-gradient(to right,{})'></div>\
          <div class='decades'>{}</div><figcaption>{}</figcaption>",
         colors.join(","),
-        decades.collect::<String>(),
+        marks.concat(),
         scale.text(unit)
     )
 }
