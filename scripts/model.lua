@@ -75,8 +75,8 @@ function model.dusk(built, shot, samples)
   }
 end
 
---- Of the sky at dusk: 4 cd/m².
-model.dusk_background = 4 / select(2, lampyris.spectrum.illuminant "D65":xyz())
+--- Of the sky at dusk: 20 cd/m².
+model.dusk_background = 20 / select(2, lampyris.spectrum.illuminant "D65":xyz())
 
 --- The view of a shot, near enough that the lamp fills it.
 function model.close_view(shot, width)

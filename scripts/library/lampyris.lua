@@ -510,6 +510,7 @@ function lampyris.view(options) end
 ---@field samples? integer|AdaptiveSamples  of a pixel; 1 is its center; 1 to 1000000; default 4
 ---@field target_error? number  instead of all others: relative rms error of luminance over lit pixels; between 0 and 1
 ---@field light_error? number  bound on the relative error of the sum over light samples; 0 is the exact sum; 0 to 1; default 0.01
+---@field layers? "lights"|"paths"  parts that the picture keeps: for each light, or direct, mirrored and transmitted light; default none
 ---@field max_depth? integer  0 to 1000; default 8
 ---@field min_throughput? number  0 to 1; default 0.001
 ---@field wavelength_step? 5|10|20  nm; default 5
@@ -713,10 +714,29 @@ function Image:false_color(options) end
 ---@field max_delta_e_2000 number
 
 ---@class HdrOptions
+---@field colors? "rgbe"|"xyze"  Radiance's RGB, to which more saturated colors are toned down; or tristimulus values; default "rgbe"
 
 ---@class JpegOptions
+---@field quality? integer  1 to 100; default 95
+---@field look? "paper"|"seen"|"camera"|LookOptions  which the options beside it change; default "paper"
+---@field display? Display  default sRGB
+---@field bits? integer  of a channel; 1 to 16; default the display's
+---@field exposure? "auto"|number|ExposureOptions  a factor, or stops or an adaptation in a table; a PQ display shows its own cd/m²; factor above 0; default "auto"
+---@field gamut? "clip"|"desaturate"  default "clip"
+---@field glare? boolean|Glare  of the eye; true is the default eye's; default none
+---@field tone? "linear"|"reinhard"|"photographic"|fun(luminance: number): number  the curve on luminance, from and to luminance relative to display white; default "linear"
+---@field camera? false|Camera  looks in place of the eye; default none
 
 ---@class TiffOptions
+---@field samples? "integer"|"float"  digits, of 16 bits unless more is said; or linear Rec. 709 of the light; default "integer"
+---@field look? "paper"|"seen"|"camera"|LookOptions  which the options beside it change; default "paper"
+---@field display? Display  default sRGB
+---@field bits? integer  of a channel; 1 to 16; default the display's
+---@field exposure? "auto"|number|ExposureOptions  a factor, or stops or an adaptation in a table; a PQ display shows its own cd/m²; factor above 0; default "auto"
+---@field gamut? "clip"|"desaturate"  default "clip"
+---@field glare? boolean|Glare  of the eye; true is the default eye's; default none
+---@field tone? "linear"|"reinhard"|"photographic"|fun(luminance: number): number  the curve on luminance, from and to luminance relative to display white; default "linear"
+---@field camera? false|Camera  looks in place of the eye; default none
 
 ---@class ExrOptions
 ---@field bands? "float"|"half"|"pxr24"|"none"  of which float reads back bit for bit; default "float"
@@ -872,6 +892,8 @@ function Display:save(path) end
 ---@field quality? QualityOptions
 ---@field png? PngOptions
 ---@field regions? table<string, RegionOptions>  whose spectra and chromaticities manifest and page show; default none
+---@field exposure? "one"|"each"  automatic exposure of the pictures: the brightest view's for all, or each view's own; default "one"
+---@field false_color? "one"|"each"  range of the pictures of luminance; default "one"
 
 ---@class SweepReport
 ---@field views integer  rendered and kept
@@ -1047,6 +1069,7 @@ function Grid:save(path, options) end
 ---Lines in space.
 ---@class SegmentsPanel
 ---@field segments vector[][]  {{from, to}, …}, mm
+---@field dots? boolean  green dots where segments start, white lines on dark ground; default false
 ---@field azimuth? number  degrees; default 30
 ---@field elevation? number  degrees; default 20
 ---@field title? string  default ""

@@ -21,7 +21,7 @@ pub enum Exposure {
 }
 
 /// Adaptation of an eye before a lit lamp at dusk, cd/m².
-pub const DUSK_CD_M2: f64 = 100.0;
+pub const DUSK_CD_M2: f64 = 300.0;
 
 impl Exposure {
     /// The factor that is given, for a display of this white, or `None` for [`Exposure::Auto`].
