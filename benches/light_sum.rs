@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use lampyris::color::Photometry;
 use lampyris::light::sum::reference_sum;
 use lampyris::light::{HitQuery, LightSum, LightTree, RaySample, RaySet};
@@ -44,7 +44,7 @@ fn coil(count: usize) -> RaySet {
         }
     };
     let samples: Arc<[RaySample]> = (1..=count as u64).map(sample).collect();
-    RaySet { samples, world_from_local: DAffine3::IDENTITY, flux_lm: 460.0 }
+    RaySet::new(samples, 460.0)
 }
 
 /// Pixels along a tile's edge: neighbors in a picture ask nearly the same.

@@ -193,6 +193,7 @@ fn lamp(samples: usize) -> Scene {
         ambient: Spectrum::constant(0.0),
         photometry: Photometry::Relative,
         shadows: Shadows::Off,
+        interreflection: None,
     }
 }
 
@@ -258,5 +259,5 @@ fn filament(samples: usize) -> Light {
         samples,
         seed: 1,
     };
-    Light { rays: filament.rayset().expect("a good coil"), spectrum: Spectrum::blackbody(2750.0) }
+    Light::new(filament.rayset().expect("a good coil"), Spectrum::blackbody(2750.0))
 }

@@ -41,11 +41,12 @@ pub fn draw(data: &Path, folder: &Path) -> Result<()> {
     let scene = Scene {
         objects: vec![Object { mesh, material: MaterialId(0) }],
         materials: vec![aluminium],
-        lights: vec![Light { rays, spectrum }],
+        lights: vec![Light::new(rays, spectrum)],
         background: lampyris::scene::Background::Even(Spectrum::constant(0.0)),
         ambient: Spectrum::constant(0.0),
         photometry: Photometry::Absolute,
         shadows: Shadows::On,
+        interreflection: None,
     };
     let view = View {
         azimuth_deg: 6.0,

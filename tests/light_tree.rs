@@ -38,7 +38,7 @@ fn set_of(count: usize, mut sample: impl FnMut(usize) -> (DVec3, DVec3, f64)) ->
             }
         })
         .collect();
-    RaySet { samples, world_from_local: DAffine3::IDENTITY, flux_lm: 460.0 }
+    RaySet::new(samples, 460.0)
 }
 
 /// A coiled filament of Lambert wire along X, 5.5 mm by 0.9 mm.
@@ -139,6 +139,54 @@ fn exact_sums_are_those_of_plain_f64_at_every_exponent() {
                 assert_eq!((sum.reflected_error, sum.transmitted_error), (0.0, 0.0));
             }
         }
+    }
+}
+
+#[test]
+fn narrow_samples_sum_like_plain_f64_up_to_the_largest_exponent() {
+    let mut random = Random(17);
+    for exponent in [1.0, 1.5, 7.0, 30.0, 300.0, 3e4] {
+        let set = coil(3000).with_exponent(exponent).unwrap();
+        let tree = LightTree::build(&set);
+        for (i, n_s) in [20.0, 1500.0, 1e6].into_iter().cycle().take(30).enumerate() {
+            let lobes = lobes(0.3, 1.0, &[(0.7, n_s)]);
+            let point = random.direction() * (0.5 + 100.0 * random.next());
+            let off = 2.0 * random.next() / f64::sqrt(n_s);
+            let hit = hit_toward(point, DVec3::X * 2.0, off, &mut random);
+            let query = query(hit, &lobes, BOTH[i % 2]);
+            let (sum, exact) = (tree.sum(&query, 0.0, None), reference_sum(&set, &query, None));
+            // Exponents over 2000 turn f32's rounding of directions into 1e-4, as model.md allows.
+            let tolerance = if n_s.max(exponent) <= 2000.0 { 3e-5 } else { 3e-4 };
+            let what = format!("m {exponent} n_s {n_s} at {point}");
+            assert_close(sum.reflected, exact.reflected, tolerance, &what);
+            assert_close(sum.transmitted, exact.transmitted, tolerance, &what);
+        }
+    }
+    assert!(coil(1).with_exponent(3.1e4).is_err() && coil(1).with_exponent(0.9).is_err());
+}
+
+/// A narrow lobe's intensity straight on is Φ (m + 1)/(2π).
+#[test]
+fn a_narrow_sample_has_its_intensity() {
+    for exponent in [1.0, 30.0, 3e4] {
+        let set = RaySet::new(set_of(1, |_| (DVec3::Z * 2000.0, -DVec3::Z, 1.0)).samples, 1.0);
+        let tree = LightTree::build(&set.with_exponent(exponent).unwrap());
+        let lobes = lobes(1.0, 1.0, &[]);
+        let hit = [DVec3::ZERO, DVec3::Z, DVec3::Z];
+        let sum = tree.sum(&query(hit, &lobes, Photometry::Absolute), 0.0, None);
+        assert_close(sum.reflected, (exponent + 1.0) / (2.0 * PI) / 4.0 / PI, 1e-6, "straight on");
+    }
+}
+
+#[test]
+fn estimates_hold_for_narrow_samples() {
+    for exponent in [1.5, 30.0, 1000.0, 3e4] {
+        let narrow = |set: RaySet| set.with_exponent(exponent).unwrap();
+        check("narrow ball", &narrow(ball(4000, 2.0)), DVec3::ZERO, 2.0, 14);
+        check("narrow beam", &narrow(beam(4000)), DVec3::ZERO, 12.0, 14);
+        check("narrow plate", &narrow(plate(4000)), DVec3::new(1.5, 1.5, 0.0), 3.0, 14);
+        check("narrow clouds", &narrow(two_clouds(4000)), DVec3::X * 400.0, 2.0, 14);
+        check("narrow point", &narrow(one_point(4000)), DVec3::new(0.3, -0.2, 0.1), 1.0, 14);
     }
 }
 

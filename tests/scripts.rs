@@ -71,11 +71,18 @@ const FIGURES: [&str; 14] = [
 ];
 
 /// Scripts that print tables.
-const TABLES: [&str; 6] = ["table2", "table3", "table4", "table5", "stability", "bench"];
+const TABLES: [&str; 7] = ["table2", "table3", "table4", "table5", "stability", "bench", "truth"];
 
 /// What the others require, and the page of them all.
-const SHARED: [&str; 8] =
-    ["all", "closed_form", "crt", "lamp", "model", "paper", "prediction", "sheet"];
+const SHARED: [&str; 9] =
+    ["all", "closed_form", "crt", "lamp", "model", "paper", "prediction", "revolve", "sheet"];
+
+/// Lamps of today, with the arguments that make them small.
+const LAMPS: [(&str, &[&str]); 3] = [
+    ("collimator", &["32", "24", "1"]),
+    ("light_guide", &["32", "1"]),
+    ("opal", &["32", "1", "500"]),
+];
 
 #[test]
 fn every_script_has_its_test() {
@@ -90,6 +97,7 @@ fn every_script_has_its_test() {
     let models = MODELS.iter().map(|(name, _)| name);
     let mut run: Vec<&str> =
         models.chain(&FIGURES).chain(&TABLES).chain(&SHARED).copied().collect();
+    run.extend(LAMPS.map(|(name, _)| name));
     run.sort_unstable();
     assert_eq!(scripts, run);
 }
@@ -102,6 +110,14 @@ fn models_render() {
         for look in ["srgb", "t766", "seen", "camera"] {
             assert!(output.has(&format!("{name}_{view}_{look}.png")), "{name}: {look}");
         }
+    }
+}
+
+#[test]
+fn lamps_of_today_render() {
+    for (name, arguments) in LAMPS {
+        let output = run(name, arguments);
+        assert!(output.has(&format!("{name}_00.png")) && output.has(&format!("{name}_15.exr")));
     }
 }
 

@@ -242,6 +242,7 @@ lampyris.rayset = {}
 ---@field is_source boolean  false where the rays come from inside of it
 
 ---@class Rayset
+---@field directions number  exponent of the samples' lobes; 1 is Lambert's
 ---@field count integer
 ---@field flux number  lm
 ---@field spectrum Spectrum
@@ -285,6 +286,8 @@ function Rayset:starting_at(surface) end
 ---@field samples? integer  keep this many rays, drawn evenly; 1 to 100000000; default all
 ---@field seed? integer  of the draw; 0 to 9007199254740992; default 1
 ---@field start? StartOptions  moves the rays' starts along the rays; default as they are
+---@field directions? "lambert"|"measured"|number  how narrow the rays' own lobes are; 1 is Lambert's; 1 to 30000; default "lambert"
+---@field emitter? "fit"|EmitterShape  the surface that the rays come from; default none
 ---@field transform? Transform
 
 ---Reads a ray file: TM-25, Zemax, LightTools, ASAP, CSV, told apart by content.
@@ -298,10 +301,53 @@ function lampyris.rayset.load(path, options) end
 ---@field directions vector[]
 ---@field flux number|number[]  in all, or one for each ray; above 0 lm
 ---@field spectrum Spectrum|number
+---@field exponent? number  how narrow the rays' own lobes are; 1 is Lambert's; 1 to 30000; default 1
 
 ---@param options RaysetNewOptions
 ---@return Rayset
 function lampyris.rayset.new(options) end
+
+---@class CylinderShape
+---@field center? vector  mm; default {0, 0, 0}
+---@field axis? vector  default {0, 0, 1}
+---@field radius number  above 0 mm
+---@field length number  above 0 mm
+
+---@class SphereShape
+---@field center? vector  mm; default {0, 0, 0}
+---@field radius number  above 0 mm
+
+---@class DiscShape
+---@field center? vector  mm; default {0, 0, 0}
+---@field normal? vector  to the side where it shines; default {0, 0, 1}
+---@field radius number  above 0 mm
+
+---@class PlaneShape
+---@field center? vector  mm; default {0, 0, 0}
+---@field normal? vector  to the side where it shines; default {0, 0, 1}
+---@field across? vector  along the width; what of it is across the normal counts; default {1, 0, 0}
+---@field width number  above 0 mm
+---@field height number  above 0 mm
+
+---@class EmitterShape
+---@field cylinder? CylinderShape  default none
+---@field sphere? SphereShape  default none
+---@field disc? DiscShape  default none
+---@field plane? PlaneShape  default none
+
+---@class EmitterOptions
+---@field mesh Mesh  counter-clockwise triangles shine; their backs are black
+---@field flux? number  above 0 lm; default from the radiance
+---@field radiance? number  instead of the flux; above 0 cd/m²; default from the flux
+---@field spectrum Spectrum|number
+---@field samples? integer  for the lobes of other surfaces; 1 to 100000000; default 10000
+---@field seed? integer  of the samples; 0 to 9007199254740992; default 1
+---@field visible? boolean  its surface is seen by camera, mirrored and transmitted rays; default true
+
+---A surface that shines evenly; seen, unless it is not visible.
+---@param options EmitterOptions
+---@return Rayset
+function lampyris.emitter(options) end
 
 ---@class CylinderOptions
 ---@field radius number  above 0 mm
@@ -312,6 +358,7 @@ function lampyris.rayset.new(options) end
 ---@field axis? vector  default {1, 0, 0}
 ---@field samples? integer  rays; 1 to 100000000; default 10000
 ---@field seed? integer  of the samples; 0 to 9007199254740992; default 1
+---@field visible? boolean  its surface is seen by camera, mirrored and transmitted rays; default false
 
 ---The comparison source of Fig. 8: a cylinder that emits evenly from its lateral surface.
 ---@param options CylinderOptions
@@ -329,11 +376,17 @@ function lampyris.cylinder(options) end
 ---@field axis? vector  default {1, 0, 0}
 ---@field samples? integer  rays; 1 to 100000000; default 100000
 ---@field seed? integer  of the samples; 0 to 9007199254740992; default 1
+---@field visible? boolean  its coil is seen by camera, mirrored and transmitted rays; default false
 
 ---A coiled filament.
 ---@param options FilamentOptions
 ---@return Rayset
 function lampyris.filament(options) end
+
+---@class Glass
+---@field radius number  outer; above 0 mm
+---@field thickness number  above 0 mm
+---@field material Material  with ior, k_tg and transmittance
 
 ---@class BulbOptions
 ---@field center? vector  of the light; mm; default {0, 0, 0}
@@ -344,6 +397,8 @@ function lampyris.filament(options) end
 ---@field spectrum? Spectrum|number  default the category's
 ---@field samples? integer  rays; 1 to 100000000; default 100000
 ---@field seed? integer  of the samples; 0 to 9007199254740992; default 1
+---@field visible? boolean  its filament is seen by camera, mirrored and transmitted rays; default false
+---@field glass? Glass  a hollow sphere about the light; default none
 
 ---A bulb by its UN R37 category.
 ---@param category "P21W"|"PY21W"|"P21/5W"|"PY21/5W"|"W5W"
@@ -373,9 +428,13 @@ function Rayset:halves(options) end
 ---@field splits? integer  1 to 1000; default 1
 
 ---Relative error of a picture from the number of rays alone.
----@param options RaysetNoiseOptions
+---@param options? RaysetNoiseOptions  none: of a measured emitter's table
 ---@return number
 function Rayset:noise(options) end
+
+---What a measured emitter's table holds: luminance by place and by direction.
+---@return Figure
+function Rayset:plot_luminance() end
 
 -- Surroundings ---------------------------------------------------------------------------------
 
@@ -471,6 +530,8 @@ function Environment:spectrum(azimuth, elevation) end
 ---@field mesh Mesh
 ---@field material Material
 
+---@class InterreflectionOptions
+
 ---@class SceneOptions
 ---@field objects Object[]
 ---@field lights? Rayset[]  default {}
@@ -478,6 +539,7 @@ function Environment:spectrum(azimuth, elevation) end
 ---@field ambient? Spectrum|number  0 or more; default 0
 ---@field photometry? "relative"|"absolute"  default "relative"
 ---@field shadows? boolean  default false
+---@field interreflection? InterreflectionOptions  light that surfaces return diffusely lights others; absolute photometry only; default none
 
 ---@class Scene
 local Scene = {}
@@ -511,7 +573,7 @@ function lampyris.view(options) end
 ---@field target_error? number  instead of all others: relative rms error of luminance over lit pixels; between 0 and 1
 ---@field light_error? number  bound on the relative error of the sum over light samples; 0 is the exact sum; 0 to 1; default 0.01
 ---@field layers? "lights"|"paths"  parts that the picture keeps: for each light, or direct, mirrored and transmitted light; default none
----@field max_depth? integer  0 to 1000; default 8
+---@field max_depth? integer|"auto"  0 to 10000; default 8
 ---@field min_throughput? number  0 to 1; default 0.001
 ---@field wavelength_step? 5|10|20  nm; default 5
 
@@ -523,7 +585,7 @@ function Scene:render(view, quality) end
 ---@class LightErrorOptions
 ---@field hits? integer  1 to 1000000; default 300
 ---@field light_error? number  0 to 1; default 0.01
----@field max_depth? integer  0 to 1000; default 8
+---@field max_depth? integer|"auto"  0 to 10000; default 8
 ---@field min_throughput? number  0 to 1; default 0.001
 ---@field wavelength_step? 5|10|20  nm; default 5
 
@@ -544,7 +606,7 @@ function Scene:check_light_error(view, options) end
 ---@class PathOptions
 ---@field x? number  image position in pixels, pixel 0's center being 0.5; default the middle
 ---@field y? number  default the middle
----@field max_depth? integer  0 to 1000; default 8
+---@field max_depth? integer|"auto"  0 to 10000; default 8
 ---@field min_throughput? number  0 to 1; default 0.001
 ---@field wavelength_step? 5|10|20  nm; default 5
 
@@ -602,6 +664,7 @@ function lampyris.image.sum(terms) end
 ---@field samples_per_sum number  of lights
 ---@field light_error number  of mean luminance by the light sums, relative
 ---@field largest_light_error number  of a pixel, relative
+---@field interreflection_error? number  of the light that bounces, from the number of its samples
 ---@field target TargetReport  what target_error chose; nil without
 
 ---@class Cost

@@ -218,6 +218,22 @@ impl Mesh {
         normals.iter().map(|n| n.try_normalize().unwrap_or(DVec3::ZERO)).collect()
     }
 
+    /// Fronts become backs: what bounds a hollow.
+    pub fn turned_inside_out(self) -> Self {
+        let flipped = |triangles: Vec<[u32; 3]>| {
+            triangles.into_iter().map(|[a, b, c]| [a, c, b]).collect::<Vec<_>>()
+        };
+        let opposite = |normals: Vec<DVec3>| normals.into_iter().map(|n| -n).collect::<Vec<_>>();
+        let shading = match self.shading {
+            Shading::Flat => Shading::Flat,
+            Shading::PerPosition(normals) => Shading::PerPosition(opposite(normals)),
+            Shading::PerCorner { normals, triangles } => {
+                Shading::PerCorner { normals: opposite(normals), triangles: flipped(triangles) }
+            }
+        };
+        Self { positions: self.positions, triangles: flipped(self.triangles), shading }
+    }
+
     /// The same triangles without interpolated normals, for Fig. 5.
     pub fn into_flat(self) -> Self {
         Self { shading: Shading::Flat, ..self }

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 
-/// One ray of a RAYSET: a Lambert emitter about `direction` at `position`.
+use crate::error::{Error, Result};
+
+/// One ray of a RAYSET: it shines from `position` in a lobe about `direction`.
 ///
 /// f32, as ray files store it: writing and reading back gives the same bits.
 #[repr(C)]
@@ -35,17 +37,34 @@ impl RaySample {
 /// Cheap to clone and to move: samples are shared, placement and scale lie beside them.
 #[derive(Debug, Clone)]
 pub struct RaySet {
+    /// The rays, in the set's own coordinates.
     pub samples: Arc<[RaySample]>,
     /// Rotation, uniform scale and translation.
     pub world_from_local: DAffine3,
     /// Σ Φ_i, lm: `samples[i].flux` is scaled so that they sum to it.
     pub flux_lm: f64,
+    /// m of the samples' intensity Φ (m + 1)/(2π) cosᵐ about their directions: 1 is Lambert's, eq. 9.
+    pub exponent: f64,
 }
+
+/// Allowed exponents of samples: up to a lobe of half a degree.
+pub const EXPONENT_RANGE: [f64; 2] = [1.0, 3e4];
 
 impl RaySet {
     /// A set where it was made, in its own coordinates.
     pub fn new(samples: Arc<[RaySample]>, flux_lm: f64) -> Self {
-        Self { samples, world_from_local: DAffine3::IDENTITY, flux_lm }
+        Self { samples, world_from_local: DAffine3::IDENTITY, flux_lm, exponent: 1.0 }
+    }
+
+    /// The same rays, each shining in a lobe of exponent m.
+    ///
+    /// Errors: an exponent outside of [`EXPONENT_RANGE`].
+    pub fn with_exponent(self, exponent: f64) -> Result<Self> {
+        let [low, high] = EXPONENT_RANGE;
+        if (low..=high).contains(&exponent) {
+            return Ok(Self { exponent, ..self });
+        }
+        Err(Error::out_of_range("rayset", "directions", exponent, "1 to 30000"))
     }
 
     /// Where a sample lies in the world, mm.

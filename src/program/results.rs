@@ -101,6 +101,12 @@ pub const STATS: Fields<RenderStats> = Fields {
         field("largest_light_error", "number", "of a pixel, relative", |stats| {
             stats.largest_light_error.into()
         }),
+        field(
+            "interreflection_error",
+            "number?",
+            "of the light that bounces, from the number of its samples",
+            |stats| stats.interreflection_error.into(),
+        ),
         field("target", "TargetReport", "what target_error chose; nil without", |stats| {
             stats.target.map(|report| TARGET.record(&report)).into()
         }),

@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use crate::error::Result;
 use crate::program::sweep::{self, Digest};
 use crate::scene::{Prepared, Scene, plausibility};
+use crate::shading;
 
 /// A scene with what is worked out of it once: its preparation and its digest.
 #[derive(Debug)]
@@ -29,7 +30,7 @@ impl Stage {
         if let Some(prepared) = self.prepared.get() {
             return Ok(Arc::clone(prepared));
         }
-        let prepared = Arc::new(self.scene.clone().prepare()?);
+        let prepared = Arc::new(shading::prepare(self.scene.clone())?);
         plausibility::of_scene(&prepared).into_iter().for_each(warn);
         Ok(Arc::clone(self.prepared.get_or_init(|| prepared)))
     }

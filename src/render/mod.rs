@@ -81,6 +81,8 @@ pub struct RenderStats {
     /// Time that the picture was thought to take when its first samples were there, s: with
     /// [`Samples::Lit`].
     pub expected_seconds: Option<f64>,
+    /// Relative error of the light that bounces, from the number of its samples.
+    pub interreflection_error: Option<f64>,
     /// What was chosen, and the errors estimated: with [`render_to_target`].
     pub target: Option<TargetReport>,
 }
@@ -123,6 +125,7 @@ pub fn render(
         largest_light_error: film.pixels.iter().map(relative).fold(0.0, f64::max),
         sampling_error: matches!(quality.samples, Samples::Lit { .. }).then(|| film.lit_error()),
         expected_seconds: film.expected_seconds,
+        interreflection_error: prepared.interreflection.and_then(|report| report.relative_error),
         target: None,
     };
     Ok((film.into_image(view, quality, &prepared.scene), stats))

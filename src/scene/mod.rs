@@ -1,10 +1,13 @@
 //! The plain scene, and its preparation for rendering.
 
+mod emitters;
 pub mod plausibility;
 mod tables;
 
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
+
+use rayon::prelude::*;
 
 use crate::color::Photometry;
 use crate::environment::Environment;
@@ -13,9 +16,11 @@ use crate::geometry::Mesh;
 use crate::geometry::bvh::Bvh;
 use crate::light::RaySet;
 use crate::light::tree::LightTree;
-use crate::material::Material;
+use crate::material::{Lobes, Material};
+use crate::source::Emitter;
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
+pub use emitters::PreparedEmitter;
 pub use tables::{MaterialTables, SpectralTables, SurroundingsTables};
 
 /// Index into [`Scene::materials`].
@@ -34,6 +39,8 @@ pub struct Light {
     pub rays: RaySet,
     /// I_norm(λ), ≥ 0, relative: its luminous integral is scaled to the set's flux (eq. 12).
     pub spectrum: Spectrum,
+    /// What camera, mirrored and transmitted rays see of it; `None` is a source without a body.
+    pub surface: Option<Emitter>,
 }
 
 /// Whether light samples can be hidden by opaque surfaces.
@@ -74,6 +81,29 @@ impl Background {
     }
 }
 
+/// How light that surfaces return diffusely is passed on: `shading::prepare`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Interreflection {
+    /// Diffuse returns that a ray from a light may go through, 1 or more.
+    pub bounces: u32,
+    /// About this many light samples come of them.
+    pub samples: usize,
+    /// The same seed gives the same samples.
+    pub seed: u64,
+}
+
+/// What interreflection added to a scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct InterreflectionReport {
+    /// Index of the first of the lights that were added.
+    pub first_light: usize,
+    /// Light samples added.
+    pub samples: usize,
+    /// Relative standard error of the light that they send to each other, from halves; `None` for
+    /// fewer than two samples.
+    pub relative_error: Option<f64>,
+}
+
 /// Everything that a script describes, before anything is built from it.
 #[derive(Debug, Clone)]
 pub struct Scene {
@@ -86,6 +116,7 @@ pub struct Scene {
     pub ambient: Spectrum,
     pub photometry: Photometry,
     pub shadows: Shadows,
+    pub interreflection: Option<Interreflection>,
 }
 
 /// A scene with what rendering needs: built once, used by every view.
@@ -95,11 +126,19 @@ pub struct Prepared {
     pub bvh: Bvh,
     /// One a light.
     pub light_trees: Vec<LightTree>,
-    /// Whether shadow segments end at the object.
-    pub blocks: Vec<bool>,
+    /// Whether light ends at an object, or at an emitter behind these.
+    pub opaque: Arc<[bool]>,
     /// From any object this far on is outside of all of them, mm.
     pub beyond_mm: f64,
+    /// Lights with a surface, in the order of their meshes behind the objects'.
+    pub emitters: Vec<PreparedEmitter>,
+    /// Per light, whether its shadow segments end at an object or emitter; most share one list.
+    blocks: Vec<Arc<[bool]>>,
+    /// Per material, the lobes for light from its far side where they differ.
+    far_lobes: Vec<Option<Lobes>>,
     pub seconds: BuildSeconds,
+    /// What `shading::prepare` added for the scene's interreflection.
+    pub interreflection: Option<InterreflectionReport>,
     /// Per wavelength grid, resampled when it is first asked for.
     tables: [OnceLock<SpectralTables>; WavelengthGrid::ALL.len()],
 }
@@ -120,6 +159,11 @@ impl Scene {
             light.power_per_lumen(WavelengthGrid::Step5)?;
         }
         self.background.check(self.photometry)?;
+        if self.has_emitters() && self.photometry == Photometry::Relative {
+            let problem = "a visible light has a radiance, which has no unit in relative \
+                           photometry: set photometry = \"absolute\"";
+            return Err(Error::inconsistent("scene", problem));
+        }
         check_not_negative("scene: ambient", &self.ambient)
     }
 
@@ -127,17 +171,33 @@ impl Scene {
     pub fn prepare(self) -> Result<Prepared> {
         self.check()?;
         let start = Instant::now();
-        let meshes: Vec<Arc<Mesh>> = self.objects.iter().map(|o| Arc::clone(&o.mesh)).collect();
+        let mut meshes: Vec<Arc<Mesh>> = self.objects.iter().map(|o| Arc::clone(&o.mesh)).collect();
+        let emitters = PreparedEmitter::all(&self.lights);
+        meshes.extend(emitters.iter().map(|emitter| Arc::clone(&emitter.mesh)));
         let bvh = Bvh::build(&meshes);
         let bvh_seconds = start.elapsed().as_secs_f64();
         let start = Instant::now();
         let light_trees = self.lights.iter().map(|light| LightTree::build(&light.rays)).collect();
         let seconds = BuildSeconds { bvh: bvh_seconds, light_trees: start.elapsed().as_secs_f64() };
-        let blocks =
-            self.objects.iter().map(|o| !self.materials[o.material.0].transmits()).collect();
+        let opaque = self.opaque(&emitters);
+        let blocks = self.blocks(&opaque, &emitters);
         let beyond_mm = bvh.bounds().map_or(1.0, |(low, high)| 1.0 + 2.0 * low.distance(high));
+        let far_lobes = self.materials.iter().map(|material| self.far_lobes(material)).collect();
         let tables = Default::default();
-        Ok(Prepared { bvh, light_trees, blocks, beyond_mm, seconds, tables, scene: self })
+        let scene = self;
+        Ok(Prepared {
+            bvh,
+            light_trees,
+            opaque,
+            beyond_mm,
+            emitters,
+            blocks,
+            far_lobes,
+            seconds,
+            interreflection: None,
+            tables,
+            scene,
+        })
     }
 
     /// What silently changes the picture, in words.
@@ -147,6 +207,7 @@ impl Scene {
             lights.filter_map(|(number, light)| light.cut_warning(number)).collect();
         if self.photometry == Photometry::Absolute {
             warnings.extend(self.materials.iter().filter_map(Material::gain_warning));
+            warnings.extend(self.double_count_warnings());
         }
         warnings
     }
@@ -156,6 +217,27 @@ impl Scene {
 const CUT_SHARE: f64 = 0.01;
 
 impl Prepared {
+    /// Adds lights that came of the scene's own.
+    pub fn add_bounced(&mut self, lights: Vec<Light>, report: InterreflectionReport) {
+        let start = Instant::now();
+        self.light_trees.par_extend(lights.par_iter().map(|light| LightTree::build(&light.rays)));
+        self.scene.lights.extend(lights);
+        self.blocks = self.scene.blocks(&self.opaque, &self.emitters);
+        self.interreflection = Some(report);
+        self.tables = Default::default();
+        self.seconds.light_trees += start.elapsed().as_secs_f64();
+    }
+
+    /// Whether a light's shadow segments end at an object, or at an emitter behind these.
+    pub fn blocks(&self, light: usize) -> &[bool] {
+        &self.blocks[light]
+    }
+
+    /// The lobes for light from a surface's far side, where they are not the material's own.
+    pub fn far_lobes(&self, material: MaterialId) -> Option<&Lobes> {
+        self.far_lobes[material.0].as_ref()
+    }
+
     /// All spectra of the scene at the bands of `grid`: resampled at the first call, then kept.
     ///
     /// Errors: a light without luminous flux at these bands.
@@ -181,6 +263,11 @@ impl Light {
                 100.0 * share
             )
         })
+    }
+
+    /// A source without a body.
+    pub fn new(rays: RaySet, spectrum: Spectrum) -> Self {
+        Self { rays, spectrum, surface: None }
     }
 
     /// I_norm(λ) in W/nm a lm, at the bands of `grid` (eq. 12).
@@ -229,6 +316,7 @@ mod tests {
             ambient: Spectrum::constant(0.0),
             photometry: Photometry::Relative,
             shadows: Shadows::Off,
+            interreflection: None,
         }
     }
 

@@ -19,7 +19,9 @@ pub fn of_scene(prepared: &Prepared) -> Vec<String> {
     warnings.extend(unit_warnings(&prepared.scene));
     let materials = 0..prepared.scene.materials.len();
     warnings.extend(materials.filter_map(|at| body_warning(prepared, MaterialId(at))));
-    let lights = 0..prepared.scene.lights.len();
+    // What bounces lies on surfaces of itself.
+    let all = prepared.scene.lights.len();
+    let lights = 0..prepared.interreflection.map_or(all, |report| report.first_light);
     warnings.extend(lights.filter_map(|at| light_warning(prepared, at)));
     warnings
 }
@@ -130,7 +132,7 @@ fn light_warning(prepared: &Prepared, at: usize) -> Option<String> {
     let rays = &prepared.scene.lights[at].rays;
     let sum: DVec3 = rays.samples.iter().map(RaySample::origin).sum();
     let center = rays.world_from_local.transform_point3(sum / rays.samples.len().max(1) as f64);
-    is_enclosed(prepared, center, |object| prepared.blocks[object]).then(|| {
+    is_enclosed(prepared, center, |object| prepared.blocks(at)[object]).then(|| {
         format!(
             "light {}: its center {center:.3} mm is inside an opaque mesh, behind back sides only",
             at + 1

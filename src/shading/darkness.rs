@@ -59,7 +59,7 @@ impl Tracer<'_> {
 
     fn note(&self, found: &mut Darkness, branch: &Branch, arrival: &Arrival) {
         let surface = match arrival {
-            Arrival::Missed => return,
+            Arrival::Missed | Arrival::Emitter(_) => return,
             Arrival::Cut => {
                 found.ended += 1;
                 return;

@@ -68,7 +68,7 @@ impl Tracer<'_> {
     fn lit_surfaces(&self, ray: Ray, surfaces: &mut Vec<SurfacePoint>) {
         self.walk(ray, &mut TraceState::default(), |_, arrival, _| match arrival {
             Arrival::Hit(surface) if self.is_lit(surface) => surfaces.push(*surface),
-            Arrival::Hit(_) | Arrival::Missed | Arrival::Cut => {}
+            Arrival::Hit(_) | Arrival::Missed | Arrival::Cut | Arrival::Emitter(_) => {}
         });
     }
 }

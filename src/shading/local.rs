@@ -6,7 +6,8 @@ use super::layers::Origin;
 use super::walk::{Branch, Facing, SurfacePoint};
 use super::{LayeredSum, TraceState, Tracer};
 use crate::geometry::DVec3;
-use crate::light::sum::{HitQuery, LightSum};
+use crate::light::sum::{HitQuery, LightSum, Visibility};
+use crate::light::tree::LightTree;
 use crate::scene::MaterialTables;
 use crate::spectrum::Bands;
 
@@ -82,16 +83,31 @@ impl Tracer<'_> {
         let query = self.hit_query(surface);
         let tree = &self.prepared.light_trees[light];
         if !self.casts_shadows() {
-            return (tree.sum(&query, light_error, None), 0);
+            return (self.both_sides(tree, &query, (light_error, None), surface), 0);
         }
         let shadow_rays = Cell::new(0);
         let visible = |position: DVec3| {
             shadow_rays.set(shadow_rays.get() + 1);
             let from = surface.departure.toward(position - surface.departure.point);
             let leaving = Some(surface.triangle);
-            !self.prepared.bvh.is_occluded(from, position, leaving, &self.prepared.blocks)
+            !self.prepared.bvh.is_occluded(from, position, leaving, self.prepared.blocks(light))
         };
-        (tree.sum(&query, light_error, Some(&visible)), shadow_rays.get())
+        (self.both_sides(tree, &query, (light_error, Some(&visible)), surface), shadow_rays.get())
+    }
+
+    /// The sum on both sides, with lobes of its own on the far side where the scene asks for them.
+    fn both_sides(
+        &self,
+        tree: &LightTree,
+        query: &HitQuery,
+        (light_error, visible): (f64, Option<Visibility>),
+        surface: &SurfacePoint,
+    ) -> LightSum {
+        let far = self.prepared.far_lobes(surface.material).filter(|_| query.transmits);
+        let Some(lobes) = far else { return tree.sum(query, light_error, visible) };
+        let near = HitQuery { transmits: false, ..*query };
+        let far = HitQuery { reflects: false, lobes, ..*query };
+        tree.sum(&near, light_error, visible).plus(&tree.sum(&far, light_error, visible))
     }
 
     /// k_a I_a(λ) F_r(λ), on both sides.

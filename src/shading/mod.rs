@@ -8,6 +8,7 @@
 
 mod darkness;
 mod global;
+mod interreflection;
 mod layers;
 mod light_check;
 mod local;
@@ -16,6 +17,7 @@ mod surroundings;
 mod walk;
 
 pub use darkness::Darkness;
+pub use interreflection::prepare;
 pub use layers::{LayeredSum, Layers};
 pub use light_check::LightCheck;
 pub use paths::{PathEnd, PathSegment};
@@ -25,7 +27,7 @@ use crate::geometry::Ray;
 use crate::scene::{Prepared, Shadows, SpectralTables};
 use crate::spectrum::Bands;
 use layers::Origin;
-use walk::{Arrival, Branch};
+use walk::{Arrival, Branch, EmitterPoint};
 
 /// Where the tree of rays ends, and how exact the sum over light samples is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,6 +38,12 @@ pub struct TraceLimits {
     pub min_throughput: f64,
     /// Bound on the relative error of the sum over light samples; 0 is the exact sum.
     pub light_error: f64,
+}
+
+impl TraceLimits {
+    /// A depth that rays end at by their throughput, not by their number: light guides have hundreds
+    /// of total reflections. It only ends rays between mirrors that lose nothing.
+    pub const ANY_DEPTH: u32 = 10_000;
 }
 
 /// What was traced and evaluated.
@@ -101,7 +109,20 @@ impl Tracer<'_> {
             }),
             Arrival::Cut => {}
             Arrival::Hit(surface) => self.add_local(surface, branch, state, sum),
+            Arrival::Emitter(point) => self.add_emitted(point, branch, sum),
         });
+    }
+
+    /// L of the surface's front; its back is black.
+    fn add_emitted(&self, at: &EmitterPoint, branch: &Branch, sum: &mut LayeredSum) {
+        if at.departure.n_geom.dot(at.view) <= 0.0 {
+            return;
+        }
+        let emitter = &self.prepared.emitters[at.emitter];
+        let mut arriving = branch.throughput.clone();
+        let luminance = emitter.luminance(at.departure.point, at.view);
+        arriving.scale_by(luminance, &self.tables.lights[emitter.light]);
+        sum.add(Origin::Light(emitter.light), branch.kind, |sum| sum.add(&arriving));
     }
 
     fn casts_shadows(&self) -> bool {

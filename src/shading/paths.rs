@@ -28,7 +28,7 @@ pub struct PathEnd {
     pub point: DVec3,
     /// Unit; the shading normal on the side where the ray arrives.
     pub normal: DVec3,
-    /// Index into the scene's objects.
+    /// Index into the scene's objects; behind these come the lights' surfaces.
     pub object: usize,
 }
 
@@ -49,6 +49,11 @@ impl Tracer<'_> {
                 point: surface.departure.point,
                 normal: surface.normal,
                 object: self.prepared.bvh.locate(surface.triangle).0,
+            }),
+            Arrival::Emitter(at) => Some(PathEnd {
+                point: at.departure.point,
+                normal: at.departure.n_geom,
+                object: self.prepared.bvh.locate(at.triangle).0,
             }),
         };
         let bands = branch.throughput.as_slice();

@@ -71,7 +71,7 @@ impl Tracer<'_> {
             let from = surface.departure.toward(direction);
             let target = from + direction * self.prepared.beyond_mm;
             let leaving = Some(surface.triangle);
-            !self.prepared.bvh.is_occluded(from, target, leaving, &self.prepared.blocks)
+            !self.prepared.bvh.is_occluded(from, target, leaving, &self.prepared.opaque)
         };
         let largest_error = largest_error.max(SMALLEST_SHADOWED_ERROR);
         let light = environment.light(&query, shares, largest_error, Some(&sight));

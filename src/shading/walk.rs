@@ -29,6 +29,11 @@ pub enum RayKind {
 }
 
 impl Branch {
+    /// A ray that brings light, of what is left of the light's spectrum.
+    pub(super) fn from_light(ray: Ray, leaving: Option<TriangleId>, throughput: Bands) -> Self {
+        Self { leaving, throughput, ..Self::from_camera(ray, 0) }
+    }
+
     fn from_camera(ray: Ray, bands: usize) -> Self {
         Self {
             ray,
@@ -69,6 +74,19 @@ pub(super) enum Arrival {
     /// Too little is left of it.
     Cut,
     Hit(SurfacePoint),
+    /// A light's surface, where the ray ends.
+    Emitter(EmitterPoint),
+}
+
+/// Where a ray meets a light's surface.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EmitterPoint {
+    /// Index into [`crate::scene::Prepared::emitters`].
+    pub emitter: usize,
+    pub triangle: TriangleId,
+    pub departure: Departure,
+    /// V.
+    pub view: DVec3,
 }
 
 impl Tracer<'_> {
@@ -79,9 +97,20 @@ impl Tracer<'_> {
         &self,
         ray: Ray,
         state: &mut TraceState,
+        visit: impl FnMut(&Branch, &Arrival, &mut TraceState),
+    ) {
+        self.walk_from(Branch::from_camera(ray, self.tables.bands), state, visit);
+    }
+
+    /// Follows a ray that did not leave the eye.
+    #[inline(always)]
+    pub(super) fn walk_from(
+        &self,
+        first: Branch,
+        state: &mut TraceState,
         mut visit: impl FnMut(&Branch, &Arrival, &mut TraceState),
     ) {
-        state.pending.push(Branch::from_camera(ray, self.tables.bands));
+        state.pending.push(first);
         while let Some(mut branch) = state.pending.pop() {
             let arrival = self.arrive(&mut branch);
             visit(&branch, &arrival, state);
@@ -102,18 +131,27 @@ impl Tracer<'_> {
                 return Arrival::Cut;
             }
         }
-        Arrival::Hit(self.surface_point(&branch.ray, hit))
+        self.arrival_at(&branch.ray, hit)
     }
 
     pub(super) fn is_cut(&self, throughput: &Bands) -> bool {
         throughput.is_below(self.limits.min_throughput)
     }
 
-    fn surface_point(&self, ray: &Ray, hit: Hit) -> SurfacePoint {
+    fn arrival_at(&self, ray: &Ray, hit: Hit) -> Arrival {
         let (object, triangle) = self.prepared.bvh.locate(hit.triangle);
-        let object = &self.prepared.scene.objects[object];
         let view = -ray.direction;
         let departure = self.prepared.bvh.departure(&hit);
+        let objects = &self.prepared.scene.objects;
+        let Some(object) = objects.get(object) else {
+            let emitter = object - objects.len();
+            return Arrival::Emitter(EmitterPoint {
+                emitter,
+                triangle: hit.triangle,
+                departure,
+                view,
+            });
+        };
         let outward = departure.n_geom;
         let shading = object.mesh.shading_normal(triangle, [hit.u, hit.v], outward);
         let (side, n_geom, normal) = if outward.dot(view) < 0.0 {
@@ -121,13 +159,13 @@ impl Tracer<'_> {
         } else {
             (Facing::Front, outward, shading)
         };
-        SurfacePoint {
+        Arrival::Hit(SurfacePoint {
             triangle: hit.triangle,
             departure,
             material: object.material,
             side,
             normal: if normal.dot(view) < 0.0 { n_geom } else { normal },
             view,
-        }
+        })
     }
 }

@@ -19,7 +19,9 @@ use crate::spectrum::Spectrum;
 /// 6 mm long (R37: at most 7, standard lamp 5 to 7).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bulb {
+    /// Its name in UN R37.
     pub category: &'static str,
+    /// Which of the bulb's filaments it is.
     pub function: Function,
     /// At 13.5 V, through the bulb's glass.
     pub flux_lm: f64,
@@ -27,11 +29,13 @@ pub struct Bulb {
     pub power_w: f64,
     /// True temperature of the wire.
     pub temperature_k: f64,
+    /// The filament's wire.
     pub coil: Coil,
     /// Of the filament's middle from the light center: toward the tip, and sideways.
     pub offset_mm: [f64; 2],
     /// Of the light center from the cap's reference plane (R37: e).
     pub light_center_mm: f64,
+    /// What the light goes through.
     pub glass: Glass,
 }
 
@@ -44,9 +48,12 @@ pub enum Function {
     Minor,
 }
 
+/// Color of a bulb's glass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Glass {
+    /// Colorless.
     Clear,
+    /// As [`amber_glass`] has it.
     Amber,
 }
 
@@ -147,6 +154,13 @@ impl Bulb {
     ///
     /// Errors: as [`Filament::rayset`], and a filament axis along the bulb's axis.
     pub fn rayset(&self, socket: &Socket, samples: usize, seed: u64) -> Result<RaySet> {
+        self.filament(socket, samples, seed)?.rayset()
+    }
+
+    /// The filament in its place.
+    ///
+    /// Errors: a filament axis along the bulb's axis.
+    pub fn filament(&self, socket: &Socket, samples: usize, seed: u64) -> Result<Filament> {
         let unit = |what: &str, v: DVec3| {
             v.try_normalize().ok_or_else(|| Error::out_of_range("bulb", what, v, "finite, not 0"))
         };
@@ -160,15 +174,14 @@ impl Bulb {
         let filament_axis = along.normalize();
         let [toward_tip, sideways] = self.offset_mm;
         let offset = axis * toward_tip + axis.cross(filament_axis) * sideways;
-        let filament = Filament {
+        Ok(Filament {
             coil: self.coil,
             center: socket.center + offset,
             axis: filament_axis,
             flux_lm: self.flux_lm,
             samples,
             seed,
-        };
-        filament.rayset()
+        })
     }
 
     /// I_norm(λ) of eq. 12, relative.

@@ -5,12 +5,14 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 
 use crate::error::{Error, Result};
+use crate::geometry::Mesh;
 
 /// A round wire wound to a helix about +Z, its middle at the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coil {
     /// Of the wire's cross-section, mm.
     pub wire_radius_mm: f64,
+    /// How often the wire goes around, 0.01 to 1e6.
     pub turns: f64,
     /// From a turn to the next, mm.
     pub pitch_mm: f64,
@@ -21,6 +23,7 @@ pub struct Coil {
 /// A place on the wire's surface; the wire's two cut ends are not part of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
+    /// mm.
     pub position: DVec3,
     /// Unit, outward.
     pub normal: DVec3,
@@ -70,6 +73,7 @@ impl Coil {
         self.turns * self.pitch_mm
     }
 
+    /// Length of the wire, unwound.
     pub fn wire_length_mm(&self) -> f64 {
         TAU * self.turns * self.coil_radius_mm.hypot(self.rise_mm())
     }
@@ -77,6 +81,24 @@ impl Coil {
     /// Of the wire without its ends. A bent tube has the area of the straight one.
     pub fn surface_mm2(&self) -> f64 {
         TAU * self.wire_radius_mm * self.wire_length_mm()
+    }
+
+    /// The wire as triangles, without its ends; its polygons around have the circle's length.
+    ///
+    /// Errors: more than 2³² positions.
+    pub(super) fn mesh(&self) -> Result<Mesh> {
+        const AROUND: usize = 16;
+        const PER_TURN: f64 = 32.0;
+        let along = (self.turns * PER_TURN).ceil().max(1.0) as usize;
+        let half = std::f64::consts::PI / AROUND as f64;
+        let grown = self.wire_radius_mm * (half / half.sin() - 1.0);
+        let place = |i: usize, j: usize| {
+            let at = self.surface_point(j as f64 / along as f64, i as f64 / AROUND as f64);
+            at.position + at.normal * grown
+        };
+        let grid = (0..=along).flat_map(|j| (0..=AROUND).map(move |i| (i, j)));
+        let points: Vec<Option<DVec3>> = grid.map(|(i, j)| Some(place(AROUND - i, j))).collect();
+        Ok(Mesh::from_grid("filament", AROUND, along, &points)?.into_flat())
     }
 
     /// Along the axis for a radian of turning.

@@ -1,10 +1,12 @@
 //! The comparison source of Fig. 8.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::emitter::{Emitter, Radiance, Shape};
 use super::filament::{check_emitter, placement};
 use super::sequence::random;
 use crate::error::{Error, Result};
@@ -20,11 +22,15 @@ pub struct Cylinder {
     pub center: DVec3,
     /// Any length but 0.
     pub axis: DVec3,
+    /// 1e-9 to 1e9.
     pub radius_mm: f64,
+    /// 1e-9 to 1e9.
     pub length_mm: f64,
     /// lm.
     pub flux_lm: f64,
+    /// How many points are drawn, 1 to 1e8.
     pub samples: usize,
+    /// The same seed gives the same samples.
     pub seed: u64,
 }
 
@@ -42,7 +48,21 @@ impl Cylinder {
         let world_from_local = placement("cylinder", self.center, self.axis)?;
         let samples: Vec<RaySample> =
             (0..self.samples).into_par_iter().map(|index| self.sample(index as u64)).collect();
-        Ok(RaySet { samples: samples.into(), world_from_local, flux_lm: self.flux_lm })
+        Ok(RaySet { world_from_local, ..RaySet::new(samples.into(), self.flux_lm) })
+    }
+
+    /// The side as rays see it, in the cylinder's own coordinates.
+    ///
+    /// Errors: a size that f32 cannot hold.
+    pub fn surface(&self) -> Result<Emitter> {
+        let shape = Shape::Cylinder {
+            center: DVec3::ZERO,
+            axis: DVec3::Z,
+            radius_mm: self.radius_mm,
+            length_mm: self.length_mm,
+        };
+        let radiance = Radiance::Lambert { area_mm2: shape.area_mm2() };
+        Ok(Emitter { mesh: Arc::new(shape.mesh()?), radiance })
     }
 
     fn sample(&self, index: u64) -> RaySample {

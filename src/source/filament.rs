@@ -1,9 +1,12 @@
 //! A coiled filament as a RAYSET.
 
+use std::sync::Arc;
+
 use glam::{DAffine3, DQuat, DVec3};
 use rayon::prelude::*;
 
 use super::coil::{Coil, SurfacePoint};
+use super::emitter::{Emitter, Radiance};
 use super::lambert;
 use super::sequence::EvenSequence;
 use crate::error::{Error, Result};
@@ -26,6 +29,7 @@ use crate::light::{RaySample, RaySet};
 /// `intensity_follows_the_unblocked_rays` prints them).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Filament {
+    /// The wire.
     pub coil: Coil,
     /// mm.
     pub center: DVec3,
@@ -33,7 +37,9 @@ pub struct Filament {
     pub axis: DVec3,
     /// Of the coil as a whole, lm.
     pub flux_lm: f64,
+    /// How many rays are drawn, 1 to 1e8.
     pub samples: usize,
+    /// The same seed gives the same samples.
     pub seed: u64,
 }
 
@@ -66,7 +72,18 @@ impl Filament {
             let free = drawn.iter().flatten();
             samples.extend(free.take(missing).copied());
         }
-        Ok(RaySet { samples: samples.into(), world_from_local, flux_lm: self.flux_lm })
+        Ok(RaySet { world_from_local, ..RaySet::new(samples.into(), self.flux_lm) })
+    }
+
+    /// The wire as rays see it, in the coil's own coordinates: of even radiance, such that what
+    /// gets out of the coil is its flux.
+    ///
+    /// Errors: as [`Filament::rayset`].
+    pub fn surface(&self) -> Result<Emitter> {
+        self.coil.check("filament")?;
+        let area_mm2 = self.coil.surface_mm2() * free_share(&self.coil);
+        let mesh = Arc::new(self.coil.mesh()?);
+        Ok(Emitter { mesh, radiance: Radiance::Lambert { area_mm2 } })
     }
 }
 
@@ -125,10 +142,11 @@ fn axial_shrink(coil: &Coil) -> f64 {
 }
 
 /// The share of the wire's light that gets out of the coil.
-#[cfg(test)]
 pub(super) fn free_share(coil: &Coil) -> f64 {
-    let free = (0..4).map(|block| free_rays(coil, EvenSequence::new(0), block).count());
-    free.sum::<usize>() as f64 / (4 * BLOCK) as f64
+    const BLOCKS: u32 = 16;
+    let count = |block| free_rays(coil, EvenSequence::new(0), block).count();
+    let free: usize = (0..BLOCKS).into_par_iter().map(count).sum();
+    free as f64 / (BLOCKS as usize * BLOCK) as f64
 }
 
 /// Errors: [`Error::OutOfRange`] for a flux or a number of samples that no source has.

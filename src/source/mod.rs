@@ -4,6 +4,8 @@
 pub mod bulb;
 pub mod coil;
 pub mod cylinder;
+pub mod directions;
+pub mod emitter;
 pub mod filament;
 mod lambert;
 pub mod noise;
@@ -18,6 +20,7 @@ pub mod tungsten;
 pub use bulb::Bulb;
 pub use coil::Coil;
 pub use cylinder::Cylinder;
+pub use emitter::Emitter;
 pub use filament::Filament;
 pub use start_surface::StartSurface;
 pub use starts::Starts;

@@ -128,7 +128,7 @@ fn inner_source(rays: &[RaySample], start: FittedSurface) -> Option<InnerSource>
 }
 
 /// The point with the least sum of squared distances to the rays' lines.
-fn focus(rays: &[RaySample]) -> Option<DVec3> {
+pub(super) fn focus(rays: &[RaySample]) -> Option<DVec3> {
     let mut matrix = glam::DMat3::ZERO;
     let mut vector = DVec3::ZERO;
     for ray in rays {

@@ -197,7 +197,7 @@ fn circle_across(points: &[DVec3], axis: DVec3) -> Option<(DVec3, f64)> {
 
 /// The unit vector, up to its sign, for which `cost` is least: the best of a grid over the half
 /// sphere, then smaller and smaller steps around it. The sign makes the largest component positive.
-fn best_direction(cost: impl Fn(&DVec3) -> f64) -> Option<DVec3> {
+pub(super) fn best_direction(cost: impl Fn(&DVec3) -> f64) -> Option<DVec3> {
     const GRID: u32 = 300;
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let spiral = (0..GRID).map(|i| {

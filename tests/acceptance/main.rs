@@ -3,9 +3,11 @@
 mod closed_cases;
 mod determinism;
 mod displays;
+mod emitters;
 mod example;
 mod goldens;
 mod intensity;
+mod interreflection;
 mod layers;
 mod lens_colors;
 mod light_check;

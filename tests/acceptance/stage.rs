@@ -58,7 +58,7 @@ pub fn point_light(position: DVec3, direction: DVec3, flux_lm: f64) -> Light {
         direction: direction.normalize().as_vec3().to_array(),
         flux: 1.0,
     };
-    Light { rays: RaySet::new([sample].into(), flux_lm), spectrum: Spectrum::blackbody(2856.0) }
+    Light::new(RaySet::new([sample].into(), flux_lm), Spectrum::blackbody(2856.0))
 }
 
 pub fn scene(objects: Vec<(Mesh, Material)>, lights: Vec<Light>) -> Scene {
@@ -72,6 +72,7 @@ pub fn scene(objects: Vec<(Mesh, Material)>, lights: Vec<Light>) -> Scene {
         ambient: Spectrum::constant(0.0),
         photometry: Photometry::Relative,
         shadows: Shadows::Off,
+        interreflection: None,
     }
 }
 
@@ -101,6 +102,7 @@ pub fn busy_scene() -> Scene {
         seed: 7,
     };
     let light = Light {
+        surface: None,
         rays: filament.rayset().expect("a good cylinder"),
         spectrum: Spectrum::blackbody(2750.0),
     };

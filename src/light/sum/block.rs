@@ -57,21 +57,22 @@ pub(crate) enum Reach {
 }
 
 impl Block {
-    /// `side` and `point` in the block's coordinates.
+    /// `query` in the block's coordinates.
     ///
     /// f32 rounds a sample's place by about 2⁻²⁴ of the block's radius, which turns its direction
     /// by that over the distance; a lobe n changes by n θ times the turn, with n θ²/2 < 70 where
     /// it counts. √n · radius/distance ≤ 100 keeps this under 2e-4. A direction taken from a
     /// cosine alone loses n · 2e-7, so diffuse exponents over 1000 are left to f64, too.
-    pub fn reach(&self, point: DVec3, side: &Side, lobes: &LobeSet) -> Reach {
-        let to_center = self.center - point;
+    pub fn reach(&self, query: &BlockQuery) -> Reach {
+        let (side, lobes) = (&query.side, query.lobes);
+        let to_center = self.center - query.point;
         if to_center.dot(side.normal) <= -self.radius {
             return Reach::Nothing;
         }
         let distance = to_center.length();
         let nearest = distance - self.radius;
         let in_range = nearest > 1e-12 && distance < 1e12;
-        let largest = lobes.largest_exponent;
+        let largest = lobes.largest_exponent.max(query.exponent);
         if !in_range || largest.sqrt() * self.radius > 100.0 * nearest || lobes.diffuse_needs_f64()
         {
             return Reach::NeedsF64;
@@ -105,10 +106,13 @@ struct LocalSide {
     /// The normal's components along t and m.
     normal: [f32; 2],
     inverse_square: bool,
+    /// Of the samples' own lobes.
+    exponent: f32,
 }
 
 impl LocalSide {
-    fn new(base: DVec3, side: &Side, inverse_square: bool) -> LocalSide {
+    fn new(center: DVec3, query: &BlockQuery) -> LocalSide {
+        let (base, side) = (center - query.point, &query.side);
         let m = side.axis;
         let across = side.normal - m * m.dot(side.normal);
         let t = across.try_normalize().unwrap_or_else(|| m.any_orthonormal_vector());
@@ -119,7 +123,8 @@ impl LocalSide {
             frame: frame.map(|row| row.as_vec3().into()),
             framed_base: frame.map(|row| row.dot(base) as f32),
             normal: [side.normal.dot(t) as f32, side.normal.dot(m) as f32],
-            inverse_square,
+            inverse_square: query.inverse_square,
+            exponent: query.exponent as f32,
         }
     }
 }
@@ -160,6 +165,8 @@ pub(crate) struct BlockQuery<'a> {
     pub side: Side,
     pub lobes: &'a LobeSet,
     pub inverse_square: bool,
+    /// Of the samples' own lobes; 1 for Lambert's.
+    pub exponent: f64,
 }
 
 /// Σ over the block's samples with L·normal > 0, without `LobeSet::unit`.
@@ -170,7 +177,7 @@ pub(crate) fn sum_block(
     reach: Reach,
     scratch: &mut Scratch,
 ) -> f64 {
-    let side = LocalSide::new(center - query.point, &query.side, query.inverse_square);
+    let side = LocalSide::new(center, query);
     let specular: &[Power] = match reach {
         Reach::AllLobes => &query.lobes.specular,
         _ => &[],
@@ -194,6 +201,9 @@ fn kernel(
     let count = (groups.len() * LANES).min(BLOCK_CAPACITY);
     for (i, group) in groups.iter().enumerate().take(BLOCK_CAPACITY / LANES) {
         place_group(group, side, i * LANES, scratch);
+        if side.exponent != 1.0 {
+            narrow_group(group, side, i * LANES, scratch);
+        }
     }
     let Scratch { cos_normal, cos_axis, sine2, emitted, scattered, power } = scratch;
     diffuse_power(diffuse, &cos_normal[..count], &mut scattered[..count]);
@@ -235,6 +245,27 @@ fn place_group(group: &SampleGroup, side: &LocalSide, start: usize, scratch: &mu
         cos_axis[i] = smaller(larger(w * inverse, 0.0), 1.0);
         sine2[i] = if w > 0.0 { smaller(across * inverse * inverse, 1.0) } else { 1.0 };
         emitted[i] = if cosine > 0.0 { emission } else { 0.0 };
+    }
+}
+
+/// Φ cᵐ (over r² if asked) in place of Φ c. The lobe is taken from the chord between the sample's
+/// direction and the way to the hit, which keeps its digits where a cosine is near 1.
+#[inline(always)]
+fn narrow_group(group: &SampleGroup, side: &LocalSide, start: usize, scratch: &mut Scratch) {
+    let emitted = &mut scratch.emitted[start..start + LANES];
+    for i in 0..LANES {
+        let l: [f32; 3] = [0, 1, 2].map(|axis| side.base[axis] + group.offset[axis][i]);
+        let q: [f32; 3] = [0, 1, 2].map(|axis| group.flux[axis][i]);
+        let square =
+            |v: [f32; 3]| larger(v[0] * v[0] + v[1] * v[1] + v[2] * v[2], f32::MIN_POSITIVE);
+        let flux2 = square(q);
+        let (inverse, inverse_flux) = (inverse_sqrt(square(l)), inverse_sqrt(flux2));
+        let versine =
+            0.5 * square([0, 1, 2].map(|axis| l[axis] * inverse + q[axis] * inverse_flux));
+        let cos_power = exp_neg(side.exponent * neg_ln_1m(smaller(versine, 1.0 - f32::EPSILON)));
+        let falloff = if side.inverse_square { inverse * inverse } else { 1.0 };
+        let emission = flux2 * inverse_flux * cos_power * falloff;
+        emitted[i] = if emitted[i] > 0.0 { emission } else { 0.0 };
     }
 }
 

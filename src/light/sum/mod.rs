@@ -23,7 +23,9 @@ pub struct HitQuery<'a> {
     pub normal: DVec3,
     /// V, unit, from P to where the ray came from.
     pub view: DVec3,
+    /// What the surface does with light.
     pub lobes: &'a Lobes,
+    /// Whether distance and normalization count.
     pub photometry: Photometry,
     /// Sum the samples on the viewer's side (L·N > 0), lobe about the mirror direction.
     pub reflects: bool,
@@ -36,14 +38,32 @@ pub struct HitQuery<'a> {
 /// Unit: lm (relative), lm m⁻² sr⁻¹ (absolute).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LightSum {
+    /// Over the samples on the viewer's side.
     pub reflected: f64,
+    /// Over the samples on the far side.
     pub transmitted: f64,
-    /// Estimates of |approximate − exact| of the two; 0 for the exact sum.
+    /// Estimate of |approximate − exact| of the reflected sum; 0 for the exact sum.
     pub reflected_error: f64,
+    /// Estimate of |approximate − exact| of the transmitted sum; 0 for the exact sum.
     pub transmitted_error: f64,
-    /// Evaluated for this hit.
+    /// Nodes of the tree evaluated for this hit.
     pub nodes: u32,
+    /// Samples evaluated for this hit.
     pub samples: u32,
+}
+
+impl LightSum {
+    /// Both added, with their errors and costs.
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            reflected: self.reflected + other.reflected,
+            transmitted: self.transmitted + other.transmitted,
+            reflected_error: self.reflected_error + other.reflected_error,
+            transmitted_error: self.transmitted_error + other.transmitted_error,
+            nodes: self.nodes + other.nodes,
+            samples: self.samples + other.samples,
+        }
+    }
 }
 
 /// Whether the segment from the hit to a light position is free.

@@ -19,7 +19,11 @@ pub fn reference_sum(set: &RaySet, query: &HitQuery, visible: Option<Visibility>
         let (position, direction) = (set.world_origin(sample), set.world_direction(sample));
         let to_light = position - query.point;
         let (l, r) = (to_light.normalize_or_zero(), to_light.length());
-        let emitted = f64::from(sample.flux) * (-l.dot(direction)).max(0.0);
+        let emission = match set.exponent {
+            1.0 => (-l.dot(direction)).max(0.0),
+            exponent => cos_pow(direction, -l, exponent),
+        };
+        let emitted = f64::from(sample.flux) * emission;
         let cos = l.dot(query.normal);
         let asked = (cos > 0.0 && query.reflects) || (cos < 0.0 && query.transmits);
         if emitted == 0.0 || !asked || visible.is_some_and(|free| !free(position)) {
@@ -31,7 +35,7 @@ pub fn reference_sum(set: &RaySet, query: &HitQuery, visible: Option<Visibility>
         let target = if cos > 0.0 { &mut sum.reflected } else { &mut sum.transmitted };
         *target += value;
     }
-    let lm_per_flux = set.lm_per_flux();
+    let lm_per_flux = set.lm_per_flux() * 0.5 * (set.exponent + 1.0);
     sum.reflected *= lm_per_flux;
     sum.transmitted *= lm_per_flux;
     sum.samples = u32::try_from(set.samples.len()).unwrap_or(u32::MAX);

@@ -9,6 +9,14 @@ use super::order::{Order, Placed};
 use crate::light::sum::block::{Block, BlockQuery, LANES, Reach, SampleGroup, Scratch, sum_block};
 use crate::light::{RaySample, RaySet, Visibility};
 
+/// How a block is summed.
+pub(super) struct Summing<'a> {
+    /// Takes positions in the set's own coordinates.
+    pub visible: Option<Visibility<'a>>,
+    /// Ask toward four samples, and toward all only where these differ.
+    pub few_questions: bool,
+}
+
 /// All samples of a set in blocks; coordinates and fluxes are the set's own.
 #[derive(Debug, Clone)]
 pub(super) struct Blocks {
@@ -52,17 +60,23 @@ impl Blocks {
     }
 
     /// Σ Φ c (k_d g_d + Σ k_s g_s) over a block, in the set's relative fluxes; (sum, samples).
-    ///
-    /// `visible` takes positions in the set's own coordinates.
     pub fn sum(
         &self,
         index: usize,
         query: &BlockQuery,
-        visible: Option<Visibility>,
+        how: &Summing,
         scratch: &mut Scratch,
     ) -> (f64, u32) {
         let block = &self.blocks[index];
-        let reach = block.reach(query.point, &query.side, query.lobes);
+        let reach = block.reach(query);
+        let mut visible = how.visible;
+        if let Some(free) = visible.filter(|_| how.few_questions && reach != Reach::Nothing) {
+            match self.all_or_none_free(block, free) {
+                Some(true) => visible = None,
+                Some(false) => return (0.0, 0),
+                None => {}
+            }
+        }
         let sum = match (reach, visible) {
             (Reach::Nothing, _) => return (0.0, 0),
             (Reach::NeedsF64, _) => self.sum_f64(block, query, visible),
@@ -75,6 +89,14 @@ impl Blocks {
             }
         };
         (sum, block.samples.end - block.samples.start)
+    }
+
+    /// What four samples of a block say of all, if they agree.
+    fn all_or_none_free(&self, block: &Block, free: Visibility) -> Option<bool> {
+        let count = (block.samples.end - block.samples.start) as usize;
+        let mut asked = self.samples_of(block).step_by(count.div_ceil(4).max(1));
+        let first = free(asked.next()?.origin());
+        asked.all(|sample| free(sample.origin()) == first).then_some(first)
     }
 
     fn sum_f64(&self, block: &Block, query: &BlockQuery, visible: Option<Visibility>) -> f64 {
@@ -91,18 +113,22 @@ fn contribution_f64(sample: &RaySample, query: &BlockQuery) -> f64 {
     let to_light = sample.origin() - query.point;
     let l = to_light.normalize_or_zero();
     let q = sample.unit_direction();
-    let emitted = f64::from(sample.flux) * (-l.dot(q)).max(0.0);
-    if emitted == 0.0 || l.dot(query.side.normal) <= 0.0 {
-        return 0.0;
-    }
-    let power = |axis: DVec3, (weight, exponent): (f64, f64)| {
+    let power = |axis: DVec3, l: DVec3, (weight, exponent): (f64, f64)| {
         let versine = 0.5 * (axis - l).length_squared();
         if versine < 1.0 { weight * (exponent * (-versine).ln_1p()).exp() } else { 0.0 }
     };
+    let emission = match query.exponent {
+        1.0 => (-l.dot(q)).max(0.0),
+        exponent => power(q, -l, (1.0, exponent)),
+    };
+    let emitted = f64::from(sample.flux) * emission;
+    if emitted == 0.0 || l.dot(query.side.normal) <= 0.0 {
+        return 0.0;
+    }
     let diffuse = query.lobes.exact_diffuse;
-    let mut scattered = if diffuse.0 > 0.0 { power(query.side.normal, diffuse) } else { 0.0 };
+    let mut scattered = if diffuse.0 > 0.0 { power(query.side.normal, l, diffuse) } else { 0.0 };
     for lobe in &query.lobes.exact_specular {
-        scattered += power(query.side.axis, *lobe);
+        scattered += power(query.side.axis, l, *lobe);
     }
     // 1e-9 mm: nearer than that, 1/r² would leave f64.
     let falloff = if query.inverse_square { to_light.length().max(1e-9).powi(-2) } else { 1.0 };

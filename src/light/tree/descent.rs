@@ -5,7 +5,7 @@ use std::cell::Cell;
 use glam::DVec3;
 
 use super::SideSum;
-use super::blocks::Blocks;
+use super::blocks::{Blocks, Summing};
 use super::levels::Levels;
 use super::node::{NodeQuery, eval_octet};
 use crate::light::Visibility;
@@ -126,7 +126,8 @@ impl Descent<'_> {
         let visible = self.visible.map(|_| &asked as Visibility);
         let scratch = state.scratch.get_or_insert_with(|| Box::new(Scratch::new()));
         for block in first..first + per_node {
-            let (sum, samples) = self.blocks.sum(block, self.query, visible, scratch);
+            let how = Summing { visible, few_questions: false };
+            let (sum, samples) = self.blocks.sum(block, self.query, &how, scratch);
             state.exact += sum;
             state.samples += samples;
         }

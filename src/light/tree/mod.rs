@@ -1,6 +1,7 @@
 //! The sum over a RAYSET at a hit, exactly or within a stated error (eq. 9).
 
 mod blocks;
+mod cones;
 mod descent;
 mod eight;
 mod interpolation;
@@ -22,7 +23,8 @@ use crate::light::sum::block::{BlockQuery, Scratch};
 use crate::light::sum::power::LobeSet;
 use crate::light::sum::{HitQuery, LightSum, Side, Visibility};
 
-use blocks::Blocks;
+use blocks::{Blocks, Summing};
+use cones::Cones;
 use descent::Descent;
 use levels::Levels;
 
@@ -34,6 +36,9 @@ pub struct LightTree {
     blocks: Blocks,
     /// None for small sets.
     levels: Option<Levels>,
+    /// Instead of levels, for samples whose lobes are not Lambert's.
+    cones: Option<Cones>,
+    exponent: f64,
     world_from_local: DAffine3,
     local_from_world: DAffine3,
     /// Of the placement.
@@ -59,12 +64,14 @@ impl LightTree {
     ///
     /// Samples that are not finite, or have neither flux nor direction, are left out.
     pub fn build(set: &RaySet) -> LightTree {
-        let order = order::order(&set.samples);
+        let order = order::order(&set.samples, set.exponent);
         let blocks = Blocks::new(set, &order);
-        let levels = Levels::build(&blocks, order.depth);
+        let is_lambert = set.exponent == 1.0;
         LightTree {
+            levels: if is_lambert { Levels::build(&blocks, order.depth) } else { None },
+            cones: (!is_lambert).then(|| Cones::build(&blocks)),
             blocks,
-            levels,
+            exponent: set.exponent,
             world_from_local: set.world_from_local,
             local_from_world: set.world_from_local.inverse(),
             scale: set.world_from_local.matrix3.determinant().abs().cbrt(),
@@ -98,18 +105,21 @@ impl LightTree {
         sum
     }
 
-    /// Samples that emit.
+    /// How many samples emit.
     pub fn len(&self) -> usize {
         self.blocks.blocks.last().map_or(0, |block| block.samples.end as usize)
     }
 
+    /// Whether no sample emits.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Of the tree and its copy of the samples, without the ray set itself.
+    /// Memory of the tree and its copy of the samples, without the ray set itself, bytes.
     pub fn memory_bytes(&self) -> usize {
-        self.blocks.memory_bytes() + self.levels.as_ref().map_or(0, Levels::memory_bytes)
+        self.blocks.memory_bytes()
+            + self.levels.as_ref().map_or(0, Levels::memory_bytes)
+            + self.cones.as_ref().map_or(0, Cones::memory_bytes)
     }
 
     fn sum_side(
@@ -126,12 +136,14 @@ impl LightTree {
             side: Side { normal: to_local(side.normal), axis: to_local(side.axis) },
             lobes,
             inverse_square: query.photometry == Photometry::Absolute,
+            exponent: self.exponent,
         };
         let free_here =
             |p: DVec3| visible.is_none_or(|free| free(self.world_from_local.transform_point3(p)));
         let visible_here = visible.map(|_| &free_here as Visibility);
-        let mut side_sum = match &self.levels {
-            Some(levels) if light_error >= SMALLEST_LIGHT_ERROR => Descent {
+        let is_exact = light_error < SMALLEST_LIGHT_ERROR;
+        let mut side_sum = match (&self.levels, &self.cones) {
+            (Some(levels), _) if !is_exact => Descent {
                 levels,
                 blocks: &self.blocks,
                 query: &query_here,
@@ -139,9 +151,13 @@ impl LightTree {
                 light_error,
             }
             .run(),
+            (_, Some(cones)) if !is_exact => {
+                cones.sum(&self.blocks, &query_here, (visible_here, light_error))
+            }
             _ => self.sum_exact(&query_here, visible_here),
         };
-        let unit = self.lm_per_flux * self.distance_unit(query.photometry);
+        let lobe = 0.5 * (self.exponent + 1.0); // 1 for Lambert's
+        let unit = self.lm_per_flux * lobe * self.distance_unit(query.photometry);
         side_sum.sum *= unit;
         side_sum.error *= unit;
         side_sum
@@ -159,7 +175,8 @@ impl LightTree {
         let mut total = SideSum::default();
         let mut scratch = Scratch::new();
         for index in 0..self.blocks.blocks.len() {
-            let (sum, samples) = self.blocks.sum(index, query, visible, &mut scratch);
+            let how = Summing { visible, few_questions: false };
+            let (sum, samples) = self.blocks.sum(index, query, &how, &mut scratch);
             total.sum += sum;
             total.samples += samples;
         }
@@ -188,7 +205,7 @@ mod tests {
             }
         };
         let samples = (0..count).map(sample).collect();
-        RaySet { samples, world_from_local: DAffine3::IDENTITY, flux_lm: 1.0 }
+        RaySet::new(samples, 1.0)
     }
 
     #[test]

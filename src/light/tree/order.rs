@@ -23,7 +23,9 @@ pub(super) struct Order {
 }
 
 /// Only samples that emit: finite, with flux and direction.
-pub(super) fn order(samples: &[RaySample]) -> Order {
+///
+/// Lambert samples are sorted by place alone, narrow ones by place and direction.
+pub(super) fn order(samples: &[RaySample], exponent: f64) -> Order {
     let mut placed: Vec<Placed> = samples
         .iter()
         .zip(0u32..)
@@ -31,7 +33,8 @@ pub(super) fn order(samples: &[RaySample]) -> Order {
         .map(|(sample, index)| Placed { position: sample.position, index })
         .collect();
     let depth = placed.len().div_ceil(BLOCK_SAMPLES).next_power_of_two().ilog2();
-    split(&mut placed, depth);
+    let axes = Axes::new(samples, exponent, &placed);
+    split(&mut placed, &axes, depth);
     let mut starts = vec![0];
     push_starts(0..placed.len(), depth, &mut starts);
     Order { placed, starts, depth }
@@ -48,34 +51,64 @@ fn left_half(count: usize) -> usize {
     count.div_ceil(2).next_multiple_of(16).min(count)
 }
 
-fn split(placed: &mut [Placed], depth: u32) {
+fn split(placed: &mut [Placed], axes: &Axes, depth: u32) {
     if depth == 0 {
         placed.sort_unstable_by_key(|sample| sample.index);
         return;
     }
     let middle = left_half(placed.len());
     if middle < placed.len() {
-        let axis = longest_axis(placed);
+        let axis = axes.longest(placed);
         // Ties by index, so that the halves do not depend on the order that they came in.
         placed.select_nth_unstable_by(middle, |a, b| {
-            a.position[axis].total_cmp(&b.position[axis]).then(a.index.cmp(&b.index))
+            let at = |sample: &Placed| axes.coordinate(sample, axis);
+            at(a).total_cmp(&at(b)).then(a.index.cmp(&b.index))
         });
     }
     let (left, right) = placed.split_at_mut(middle);
-    rayon::join(|| split(left, depth - 1), || split(right, depth - 1));
+    rayon::join(|| split(left, axes, depth - 1), || split(right, axes, depth - 1));
 }
 
-fn longest_axis(placed: &[Placed]) -> usize {
-    let mut low = [f32::INFINITY; 3];
-    let mut high = [f32::NEG_INFINITY; 3];
-    for sample in placed {
-        for axis in 0..3 {
-            low[axis] = low[axis].min(sample.position[axis]);
-            high[axis] = high[axis].max(sample.position[axis]);
+/// What samples are sorted by.
+struct Axes<'a> {
+    samples: &'a [RaySample],
+    /// Three for places, three more for directions.
+    count: usize,
+    /// mm that a direction's component of 1 counts for.
+    direction_scale: f32,
+}
+
+impl Axes<'_> {
+    fn new<'a>(samples: &'a [RaySample], exponent: f64, placed: &[Placed]) -> Axes<'a> {
+        /// The whole set's size counts as much as this many standard deviations of a sample's lobe.
+        const WIDTHS: f64 = 8.0;
+        let mut axes = Axes { samples, count: 3, direction_scale: 0.0 };
+        if exponent != 1.0 {
+            let size = (0..3).map(|axis| axes.extent(placed, axis)).fold(0.0, f32::max);
+            axes.count = 6;
+            axes.direction_scale = size.max(f32::MIN_POSITIVE) * (exponent.sqrt() / WIDTHS) as f32;
+        }
+        axes
+    }
+
+    fn coordinate(&self, sample: &Placed, axis: usize) -> f32 {
+        match axis {
+            0..3 => sample.position[axis],
+            _ => self.samples[sample.index as usize].direction[axis - 3] * self.direction_scale,
         }
     }
-    let extent = |axis: &usize| high[*axis] - low[*axis];
-    (0..3).max_by(|a, b| extent(a).total_cmp(&extent(b))).unwrap_or(0)
+
+    fn extent(&self, placed: &[Placed], axis: usize) -> f32 {
+        let at = placed.iter().map(|sample| self.coordinate(sample, axis));
+        let nothing = (f32::INFINITY, f32::NEG_INFINITY);
+        let (low, high) = at.fold(nothing, |(low, high), v| (low.min(v), high.max(v)));
+        high - low
+    }
+
+    fn longest(&self, placed: &[Placed]) -> usize {
+        let extents: Vec<f32> = (0..self.count).map(|axis| self.extent(placed, axis)).collect();
+        (0..self.count).max_by(|&a, &b| extents[a].total_cmp(&extents[b])).unwrap_or(0)
+    }
 }
 
 fn push_starts(range: std::ops::Range<usize>, depth: u32, starts: &mut Vec<usize>) {

@@ -1,18 +1,21 @@
 //! `lampyris.cylinder`, `lampyris.filament`, `lampyris.bulb`: light sources made from geometry.
 
-use std::sync::Arc;
-
 use mlua::{Lua, Table};
 
-use super::kinds::{Choice, Kind, Number, SpectrumOrNumber, Vector};
+use super::kinds::{Choice, Flag, Handle, Kind, Nested, Number, SpectrumOrNumber, Vector};
 use super::light::{FLUX, LuaLight, SEED, samples};
+use super::material::LuaMaterial;
+use super::mesh::LuaMesh;
 use super::options::{Arguments, Range};
 use super::record::options;
+use super::scene::Object;
 use super::{fault, host};
-use crate::geometry::DVec3;
+use crate::error::Error;
+use crate::geometry::{DVec3, Mesh};
 use crate::light::RaySet;
 use crate::source::bulb::{Bulb, Function, Socket};
-use crate::source::{Coil, Cylinder, Filament};
+use crate::source::emitter::{Radiance, Shape, mesh_area, mesh_rayset};
+use crate::source::{Coil, Cylinder, Emitter, Filament};
 use crate::spectrum::Spectrum;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
@@ -20,6 +23,10 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     module.set(
         "cylinder",
         fault::function(lua, |lua, a| cylinder(lua, Arguments::new("cylinder", a, 1)?))?,
+    )?;
+    module.set(
+        "emitter",
+        fault::function(lua, |lua, a| emitter(lua, Arguments::new("emitter", a, 1)?))?,
     )?;
     module.set(
         "filament",
@@ -40,6 +47,26 @@ options! {
         samples: usize = samples(10_000),
         /// of the samples
         seed: u64 = SEED,
+        /// its surface is seen by camera, mirrored and transmitted rays
+        visible: bool = Flag.or(false),
+    }
+}
+
+options! {
+    /// A surface that shines evenly: every place a Lambert emitter about its normal.
+    struct EmitterOptions {
+        /// counter-clockwise triangles shine; their backs are black
+        mesh: LuaMesh = Handle::new("Mesh", "a mesh"),
+        flux: Option<f64> = Number(FLUX).optional("from the radiance"),
+        /// instead of the flux
+        radiance: Option<f64> = Number(Range::above_zero("cd/m²")).optional("from the flux"),
+        spectrum: Spectrum = SpectrumOrNumber::of_light(),
+        /// for the lobes of other surfaces
+        samples: usize = samples(10_000),
+        /// of the samples
+        seed: u64 = SEED,
+        /// its surface is seen by camera, mirrored and transmitted rays
+        visible: bool = Flag.or(true),
     }
 }
 
@@ -59,6 +86,8 @@ options! {
         samples: usize = samples(100_000),
         /// of the samples
         seed: u64 = SEED,
+        /// its coil is seen by camera, mirrored and transmitted rays
+        visible: bool = Flag.or(false),
     }
 }
 
@@ -76,7 +105,30 @@ fn cylinder(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
         samples: given.samples,
         seed: given.seed,
     };
-    Ok(LuaLight { rays: cylinder.rayset()?, spectrum: Arc::new(given.spectrum) })
+    let surface = given.visible.then(|| cylinder.surface()).transpose()?;
+    Ok(LuaLight { surface, ..LuaLight::new(cylinder.rayset()?, given.spectrum) })
+}
+
+fn emitter(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
+    let given: EmitterOptions = arguments.record()?;
+    host::of(lua)?.note_seed("emitter", given.seed);
+    let mesh = given.mesh.0;
+    let area_mm2 = mesh_area(&mesh);
+    let flux_lm = match (given.flux, given.radiance) {
+        (Some(flux_lm), None) => flux_lm,
+        // Φ = π L A of a Lambert emitter.
+        (None, Some(radiance)) => std::f64::consts::PI * radiance * area_mm2 * 1e-6,
+        _ => {
+            let problem = "expected either \"flux\" or \"radiance\"";
+            return Err(Error::inconsistent("emitter", problem).into());
+        }
+    };
+    let rays = mesh_rayset(&mesh, flux_lm, (given.samples, given.seed))?;
+    let surface = Emitter { mesh, radiance: Radiance::Lambert { area_mm2 } };
+    Ok(LuaLight {
+        surface: given.visible.then_some(surface),
+        ..LuaLight::new(rays, given.spectrum)
+    })
 }
 
 fn filament(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
@@ -95,7 +147,8 @@ fn filament(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
         samples: given.samples,
         seed: given.seed,
     };
-    Ok(LuaLight { rays: filament.rayset()?, spectrum: Arc::new(given.spectrum) })
+    let surface = given.visible.then(|| filament.surface()).transpose()?;
+    Ok(LuaLight { surface, ..LuaLight::new(filament.rayset()?, given.spectrum) })
 }
 
 options! {
@@ -114,6 +167,36 @@ options! {
         samples: usize = samples(100_000),
         /// of the samples
         seed: u64 = SEED,
+        /// its filament is seen by camera, mirrored and transmitted rays
+        visible: bool = Flag.or(false),
+        /// a hollow sphere about the light
+        glass: Option<Glass> = Nested::new().optional("none"),
+    }
+}
+
+options! {
+    /// A bulb's glass: a hollow sphere about its light.
+    struct Glass {
+        /// outer
+        radius: f64 = MM,
+        thickness: f64 = MM,
+        /// with ior, k_tg and transmittance
+        material: LuaMaterial = Handle::new("Material", "a material"),
+    }
+}
+
+impl Glass {
+    fn part(&self, center: DVec3) -> mlua::Result<Object> {
+        if self.thickness >= self.radius {
+            let allowed = format!("below the radius, {} mm", self.radius);
+            let what = "\"thickness\"";
+            return Err(Error::out_of_range("bulb: glass", what, self.thickness, allowed).into());
+        }
+        let sphere = |radius_mm| Shape::Sphere { center, radius_mm }.smooth_mesh();
+        let outside = sphere(self.radius)?;
+        let inside = sphere(self.radius - self.thickness)?.turned_inside_out();
+        let mesh = Mesh::merged("bulb: glass", &[&outside, &inside])?;
+        Ok(Object { mesh: LuaMesh::made(mesh), material: self.material.clone() })
     }
 }
 
@@ -124,8 +207,14 @@ fn bulb(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let bulb = Bulb::find(&category, given.filament)?;
     host::of(lua)?.note_seed("bulb", given.seed);
     let BulbOptions { center, axis, filament_axis, .. } = given;
-    let rays = bulb.rayset(&Socket { center, axis, filament_axis }, given.samples, given.seed)?;
+    let socket = Socket { center, axis, filament_axis };
+    let filament = bulb.filament(&socket, given.samples, given.seed)?;
+    let rays = filament.rayset()?;
+    let surface = given.visible.then(|| filament.surface()).transpose()?;
+    let glass = given.glass.map(|glass| glass.part(center)).transpose()?;
     let flux_lm = given.flux.unwrap_or(rays.flux_lm);
     let spectrum = given.spectrum.unwrap_or_else(|| bulb.spectrum());
-    Ok(LuaLight { rays: RaySet { flux_lm, ..rays }, spectrum: Arc::new(spectrum) })
+    let rays = RaySet { flux_lm, ..rays };
+    let parts = glass.into_iter().collect();
+    Ok(LuaLight { surface, parts, ..LuaLight::new(rays, spectrum) })
 }

@@ -41,12 +41,17 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
 impl LuaFigure {
     /// One panel at the size that [`new`] gives where a script asks for none.
     pub(super) fn of_panel(panel: Panel) -> Self {
+        Self::of_panels(vec![panel])
+    }
+
+    /// Panels side by side.
+    pub(super) fn of_panels(panels: Vec<Panel>) -> Self {
         Self(Arc::new(Figure {
             width: DEFAULT_SIZE[0],
-            height: DEFAULT_SIZE[1],
+            height: DEFAULT_SIZE[1] / panels.len().max(1) as u32,
             title: String::new(),
-            columns: 1,
-            panels: vec![panel],
+            columns: panels.len(),
+            panels,
         }))
     }
 }

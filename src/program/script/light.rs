@@ -7,9 +7,13 @@ use mlua::{Function, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataM
 use super::host::Host;
 use super::image::LuaImage;
 use super::kinds::{Callback, Count, Custom, Kind, Number, Or, SpectrumOrNumber, Vector, vectors};
-use super::mesh::Transform;
+use super::measured::{
+    DIRECTIONS, Directions, EMITTER, EXPONENT, EmitterOption, plot_luminance, table_of,
+};
+use super::mesh::{LuaMesh, Transform};
 use super::options::{self, Arguments, Range};
 use super::record::{Record, options};
+use super::scene::Object;
 use super::spectrum::LuaSpectrum;
 use super::{fault, host};
 use crate::error::Error;
@@ -18,7 +22,7 @@ use crate::light::{RaySample, RaySet};
 use crate::program::fields::Cell;
 use crate::program::results::{RAY, START_SURFACE, WorldRay};
 use crate::source::rayfile::{self, LightOptions, SaveFormat};
-use crate::source::{StartSurface, Starts, noise, thinning};
+use crate::source::{Emitter, StartSurface, Starts, noise, thinning};
 use crate::spectrum::Spectrum;
 
 /// Handle of a light source: its samples and its spectrum.
@@ -26,13 +30,26 @@ use crate::spectrum::Spectrum;
 pub struct LuaLight {
     pub rays: RaySet,
     pub spectrum: Arc<Spectrum>,
+    /// What rays see of it.
+    pub surface: Option<Emitter>,
+    /// What it brings besides: a bulb's glass.
+    pub parts: Vec<Object>,
 }
 
-const NAMES: [&str; 10] = [
+impl LuaLight {
+    /// A source without a body.
+    pub(super) fn new(rays: RaySet, spectrum: Spectrum) -> Self {
+        Self { rays, spectrum: Arc::new(spectrum), surface: None, parts: Vec::new() }
+    }
+}
+
+const NAMES: [&str; 12] = [
     "count",
+    "directions",
     "flux",
     "halves",
     "noise",
+    "plot_luminance",
     "rays",
     "save",
     "spectrum",
@@ -69,6 +86,10 @@ options! {
         seed: u64 = SEED,
         /// moves the rays' starts along the rays
         start: Option<StartOptions> = START.optional("as they are"),
+        /// how narrow the rays' own lobes are; 1 is Lambert's
+        directions: Option<Directions> = DIRECTIONS.optional("\"lambert\""),
+        /// the surface that the rays come from
+        emitter: Option<EmitterOption> = EMITTER.optional("none"),
         transform: Option<Transform> = TRANSFORM.optional(""),
     }
 }
@@ -96,10 +117,22 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     }
     if let Some(start) = given.start {
         rays = rays.starting_at(&start.surface()?)?;
-    } else if let Some(warning) = Starts::of(&rays.samples).warning() {
+    } else if given.emitter.is_none()
+        && let Some(warning) = Starts::of(&rays.samples).warning()
+    {
         host.warn(format!("{path}: {warning}"));
     }
-    let light = LuaLight { rays, spectrum: Arc::new(spectrum) };
+    let light = LuaLight::new(rays, spectrum);
+    let light = match (given.directions, given.emitter) {
+        (None, None) => light,
+        (Some(directions), None) => LuaLight { rays: directions.of(light.rays)?, ..light },
+        (None, Some(emitter)) => emitter.of(light, given.seed, &host)?,
+        (Some(_), Some(_)) => {
+            let problem = "give \"emitter\" or \"directions\", not both: an emitter's samples have \
+                           the directions of its table";
+            return Err(Error::inconsistent("rayset.load", problem).into());
+        }
+    };
     match given.transform {
         None => Ok(light),
         Some(transform) => placed(light, &transform),
@@ -156,7 +189,12 @@ impl StartOptions {
 pub(super) fn placed(light: LuaLight, transform: &Transform) -> mlua::Result<LuaLight> {
     let placement = transform.placement("rayset: transform")?;
     let world_from_local = placement.affine() * light.rays.world_from_local;
-    Ok(LuaLight { rays: RaySet { world_from_local, ..light.rays }, ..light })
+    let moved = |part: &Object| Object {
+        mesh: LuaMesh::made(part.mesh.0.transformed(&placement)),
+        material: part.material.clone(),
+    };
+    let parts = light.parts.iter().map(moved).collect();
+    Ok(LuaLight { rays: RaySet { world_from_local, ..light.rays }, parts, ..light })
 }
 
 options! {
@@ -166,12 +204,15 @@ options! {
         /// in all, or one for each ray
         flux: Fluxes = FLUXES,
         spectrum: Spectrum = SpectrumOrNumber::of_light(),
+        /// how narrow the rays' own lobes are; 1 is Lambert's
+        exponent: f64 = Number(EXPONENT).or(1.0),
     }
 }
 
 fn from_tables(mut arguments: Arguments) -> mlua::Result<LuaLight> {
     const OBJECT: &str = "rayset.new";
-    let RaysetNewOptions { positions, directions, flux, spectrum } = arguments.record()?;
+    let RaysetNewOptions { positions, directions, flux, spectrum, exponent } =
+        arguments.record()?;
     if positions.len() != directions.len() || positions.is_empty() {
         let problem = format!(
             "{} positions and {} directions, expected as many of each, and one or more",
@@ -193,8 +234,8 @@ fn from_tables(mut arguments: Arguments) -> mlua::Result<LuaLight> {
             flux: relative[at] as f32,
         });
     }
-    let rays = RaySet::new(samples.into(), flux.total_lm());
-    Ok(LuaLight { rays, spectrum: Arc::new(spectrum) })
+    let rays = RaySet::new(samples.into(), flux.total_lm()).with_exponent(exponent)?;
+    Ok(LuaLight::new(rays, spectrum))
 }
 
 /// lm of a set of rays.
@@ -295,6 +336,7 @@ options! {
 impl UserData for LuaLight {
     fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
         fields.add_field_method_get("count", |_, this| Ok(this.rays.samples.len()));
+        fields.add_field_method_get("directions", |_, this| Ok(this.rays.exponent));
         fields.add_field_method_get("flux", |_, this| Ok(this.rays.flux_lm));
         fields.add_field_method_get("start_surface", |_, this| {
             let starts = Starts::of(&this.rays.samples);
@@ -338,7 +380,16 @@ impl UserData for LuaLight {
             Ok((first, second))
         });
         fault::method(methods, "noise", |lua, this: &Self, a| {
-            noise(&host::of(lua)?, this, Arguments::new("rayset:noise", a, 1)?)
+            let asks_for_nothing = a.is_empty();
+            let arguments = Arguments::new("rayset:noise", a, 1)?;
+            match table_of(this).filter(|_| asks_for_nothing) {
+                Some(table) => Ok(table.noise()),
+                None => noise(&host::of(lua)?, this, arguments),
+            }
+        });
+        fault::method(methods, "plot_luminance", |_, this: &Self, a| {
+            Arguments::new("rayset:plot_luminance", a, 0)?;
+            plot_luminance(this)
         });
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
             let (count, flux_lm) = (this.rays.samples.len(), this.rays.flux_lm);

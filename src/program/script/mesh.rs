@@ -22,6 +22,13 @@ use crate::output;
 #[derive(Debug, Clone)]
 pub struct LuaMesh(pub Arc<Mesh>, Arc<Names>);
 
+impl LuaMesh {
+    /// A mesh that came of no file.
+    pub(super) fn made(mesh: Mesh) -> Self {
+        Self(Arc::new(mesh), Arc::default())
+    }
+}
+
 /// Parts of a file that can be loaded by themselves.
 #[derive(Debug, Default)]
 struct Names {

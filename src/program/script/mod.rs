@@ -27,6 +27,7 @@ mod light;
 mod lobe_fit;
 mod look;
 mod material;
+mod measured;
 mod mesh;
 mod paths;
 mod photometry;

@@ -32,7 +32,7 @@ options! {
 options! {
     /// How far rays are followed.
     struct TraceOptions {
-        max_depth: u32 = Count::new(0, 1000).or(Quality::default().limits.max_depth),
+        max_depth: u32 = DEPTH.or(Quality::default().limits.max_depth),
         min_throughput: f64 =
             Number(Range::RATIO).or(Quality::default().limits.min_throughput),
         wavelength_step: WavelengthGrid = STEP.or(Quality::default().grid),
@@ -48,6 +48,21 @@ options! {
         error: f64 = Number(Range::above_zero("")).or(0.01),
     }
 }
+
+/// A count, or `"auto"`: as deep as `min_throughput` lets a ray go.
+const DEPTH: Custom<u32> = Custom {
+    lua_type: "integer|\"auto\"",
+    allowed: "0 to 10000",
+    read: |object, what, value| {
+        if value.is_string() {
+            let auto = [("auto", TraceLimits::ANY_DEPTH)];
+            return options::choice(object, what, &options::text(object, what, value)?, &auto);
+        }
+        let most = TraceLimits::ANY_DEPTH.into();
+        options::count(object, what, value, 0, most).map(|depth| depth as u32)
+    },
+    shown: u32::to_string,
+};
 
 /// Of the sum over light samples.
 pub(super) fn light_error() -> Or<Number> {

@@ -7,8 +7,10 @@ use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
 use super::environment::BackgroundKind;
 use super::host::Host;
 use super::image::LuaImage;
-use super::kinds::{Choice, Count, Flag, Handle, Kind, List, Naming, SpectrumOrNumber, any};
-use super::light::LuaLight;
+use super::kinds::{
+    Choice, Count, Flag, Handle, Kind, List, Naming, Nested, SpectrumOrNumber, any,
+};
+use super::light::{LuaLight, SEED, samples};
 use super::material::LuaMaterial;
 use super::mesh::LuaMesh;
 use super::options::Arguments;
@@ -23,7 +25,9 @@ use crate::program::fields::Cell;
 use crate::program::results::LIGHT_CHECK;
 use crate::program::stage::Stage;
 use crate::render;
-use crate::scene::{self, Background, Light, MaterialId, Prepared, Scene, Shadows};
+use crate::scene::{
+    self, Background, Interreflection, Light, MaterialId, Prepared, Scene, Shadows,
+};
 use crate::spectrum::Spectrum;
 use crate::view::View;
 
@@ -51,10 +55,25 @@ options! {
             ("absolute", Photometry::Absolute),
         ]).or(Photometry::Relative),
         shadows: bool = Flag.or(false),
+        /// light that surfaces return diffusely lights others; absolute photometry only
+        interreflection: Option<InterreflectionOptions> = Nested::new().optional("none"),
     }
 }
 
 options! {
+    /// Light that surfaces return diffusely becomes light samples.
+    struct InterreflectionOptions {
+        /// diffuse returns that light may go through
+        bounces: u32 = Count::new(1, 1000).or(4),
+        /// light samples, about
+        samples: usize = samples(100_000),
+        /// of the samples
+        seed: u64 = SEED,
+    }
+}
+
+options! {
+    #[derive(Debug, Clone)]
     struct Object {
         mesh: LuaMesh = Handle::new("Mesh", "a mesh"),
         material: LuaMaterial = Handle::new("Material", "a material"),
@@ -71,14 +90,21 @@ fn new(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
     for (at, value) in (1..).zip(given.objects) {
         parts.add(Object::read(&format!("scene: object {at}"), value)?);
     }
-    let light =
-        |LuaLight { rays, spectrum }| Light { rays, spectrum: Arc::unwrap_or_clone(spectrum) };
+    let mut light = |LuaLight { rays, spectrum, surface, parts: own }| {
+        own.iter().for_each(|part| parts.add(part.clone()));
+        Light { rays, spectrum: Arc::unwrap_or_clone(spectrum), surface }
+    };
+    let lights = given.lights.into_iter().map(&mut light).collect();
     let scene = Scene {
-        lights: given.lights.into_iter().map(light).collect(),
+        lights,
         background: given.background,
         ambient: given.ambient,
         photometry: given.photometry,
         shadows: if given.shadows { Shadows::On } else { Shadows::Off },
+        interreflection: given.interreflection.map(|asked| {
+            let InterreflectionOptions { bounces, samples, seed } = asked;
+            Interreflection { bounces, samples, seed }
+        }),
         objects: parts.objects,
         materials: parts.materials.iter().map(|m| Material::clone(m)).collect(),
     };

@@ -6,12 +6,22 @@ use crate::geometry::{DVec3, Mesh};
 use crate::light::RaySet;
 use crate::material::Material;
 use crate::scene::{Background, Light, Object, Scene};
+use crate::source::Emitter;
 
 /// Digest of all that rendering reads from `scene`.
 ///
 /// The fields are named one by one, so that a new one cannot be forgotten here.
 pub fn of_scene(scene: &Scene) -> Digest {
-    let Scene { objects, materials, lights, background, ambient, photometry, shadows } = scene;
+    let Scene {
+        objects,
+        materials,
+        lights,
+        background,
+        ambient,
+        photometry,
+        shadows,
+        interreflection,
+    } = scene;
     let mut hasher = Hasher::new();
     // Debug shows every field, and numbers with all their digits.
     let background = match background {
@@ -22,13 +32,20 @@ pub fn of_scene(scene: &Scene) -> Digest {
     let unnamed = |m: &Material| Material { name: String::new(), ..m.clone() };
     let materials: Vec<Material> = materials.iter().map(unnamed).collect();
     hasher.text(&format!("{materials:?} {background} {ambient:?} {photometry:?} {shadows:?}"));
+    if let Some(interreflection) = interreflection {
+        hasher.text(&format!("{interreflection:?}"));
+    }
     for Object { mesh, material } in objects {
         hasher.text(&format!("object {material:?}"));
         add_mesh(&mut hasher, mesh);
     }
-    for Light { rays, spectrum } in lights {
+    for Light { rays, spectrum, surface } in lights {
         hasher.text(&format!("light {spectrum:?}"));
         add_rays(&mut hasher, rays);
+        if let Some(Emitter { mesh, radiance }) = surface {
+            hasher.text(&format!("surface {radiance:?}"));
+            add_mesh(&mut hasher, mesh);
+        }
     }
     hasher.finish()
 }
@@ -66,9 +83,12 @@ fn add_triangles(hasher: &mut Hasher, triangles: &[[u32; 3]]) {
 }
 
 fn add_rays(hasher: &mut Hasher, rays: &RaySet) {
-    let RaySet { samples, world_from_local, flux_lm } = rays;
+    let RaySet { samples, world_from_local, flux_lm, exponent } = rays;
     hasher.floats(world_from_local.to_cols_array().into_iter());
     hasher.floats([*flux_lm].into_iter());
+    if *exponent != 1.0 {
+        hasher.text(&format!("directions {exponent}"));
+    }
     hasher.bytes(&(samples.len() as u64).to_le_bytes());
     for sample in samples.iter() {
         for value in sample.position.iter().chain(&sample.direction).chain([&sample.flux]) {
@@ -108,6 +128,7 @@ mod tests {
             }],
             materials: vec![material],
             lights: vec![Light {
+                surface: None,
                 rays: RaySet::new([sample].into(), 10.0),
                 spectrum: Spectrum::blackbody(2856.0),
             }],
@@ -115,6 +136,7 @@ mod tests {
             ambient: Spectrum::constant(0.0),
             photometry: Photometry::Relative,
             shadows: Shadows::Off,
+            interreflection: None,
         }
     }
 

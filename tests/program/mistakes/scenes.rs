@@ -75,7 +75,7 @@ pub const FAULTS: &[[&str; 3]] = &[
     [
         "misspelt function",
         "L.veiw {}",
-        "lampyris: unknown key \"veiw\", did you mean \"view\"? (keys: bulb, camera, cylinder, display, figure, filament, fit_lobe, image, material, mesh, photometry, rayset, read, scene, spectrum, sweep, version, view, write)",
+        "lampyris: unknown key \"veiw\", did you mean \"view\"? (keys: bulb, camera, cylinder, display, emitter, figure, filament, fit_lobe, image, material, mesh, photometry, rayset, read, scene, spectrum, sweep, version, view, write)",
     ],
     [
         "misspelt function of a table",
@@ -321,6 +321,41 @@ pub const FAULTS: &[[&str; 3]] = &[
         "unknown bulb",
         "L.bulb 'P21X'",
         "bulb: category is \"P21X\", allowed: P21W, PY21W, P21/5W, PY21/5W, W5W",
+    ],
+    [
+        "directions of a word",
+        "L.rayset.load('rays.csv', { spectrum = white, directions = 'mesured' })",
+        "rayset.load: \"directions\" is \"mesured\", did you mean \"measured\"?, allowed: \"lambert\", \"measured\"",
+    ],
+    [
+        "directions too narrow",
+        "L.rayset.load('rays.csv', { spectrum = white, directions = 1e6 })",
+        "rayset.load: \"directions\" is 1000000, allowed: 1 to 30000",
+    ],
+    [
+        "an emitter of one ray",
+        "L.rayset.load('rays.csv', { spectrum = white, emitter = 'fit' })",
+        "rayset: emitter: the rays come from one point, or from no surface that can be told: give one, such as { cylinder = { center, axis, radius, length } }",
+    ],
+    [
+        "an emitter of two shapes",
+        "L.rayset.load('rays.csv', { spectrum = white, emitter = { sphere = { radius = 1 }, disc = { radius = 1 } } })",
+        "rayset: emitter: expected \"fit\", or one of cylinder, sphere, disc, plane",
+    ],
+    [
+        "an emitter without flux",
+        "L.emitter { mesh = triangle, spectrum = white }",
+        "emitter: expected either \"flux\" or \"radiance\"",
+    ],
+    [
+        "a visible light in relative photometry",
+        "L.scene { objects = {}, lights = { L.emitter { mesh = triangle, flux = 1, spectrum = white } } }",
+        "scene: a visible light has a radiance, which has no unit in relative photometry: set photometry = \"absolute\"",
+    ],
+    [
+        "a table of luminance that is none",
+        "lamp:plot_luminance()",
+        "rayset: has no table of luminance: load it with emitter = \"fit\", or a surface",
     ],
     [
         "cylinder without a radius",
