@@ -190,6 +190,24 @@ fn estimates_hold_for_narrow_samples() {
     }
 }
 
+/// Where the view is along the normal but for rounding, what is across has no direction.
+#[test]
+fn a_view_along_the_normal_is_exact() {
+    let set = ball(50, 1.0);
+    let tree = LightTree::build(&set);
+    let lobes = lobes(0.5, 1.0, &[(0.5, 100.0)]);
+    let mut random = Random(18);
+    for _ in 0..50 {
+        let normal = random.direction();
+        for nudge in [0.0, 1e-17, 1e-12, 1e-8, 1e-4] {
+            let view = (normal + random.direction() * nudge).normalize();
+            let query = query([normal * -20.0, normal, view], &lobes, Photometry::Absolute);
+            let (sum, exact) = (tree.sum(&query, 0.0, None), reference_sum(&set, &query, None));
+            assert_close(sum.reflected, exact.reflected, 3e-5, "reflected");
+        }
+    }
+}
+
 #[test]
 fn hits_on_and_among_the_samples_are_exact_and_finite() {
     let set = ball(2000, 1.0);

@@ -115,7 +115,9 @@ impl LocalSide {
         let (base, side) = (center - query.point, &query.side);
         let m = side.axis;
         let across = side.normal - m * m.dot(side.normal);
-        let t = across.try_normalize().unwrap_or_else(|| m.any_orthonormal_vector());
+        // Where both are the same but for rounding, so is what lies across: it has no direction.
+        let t = across.try_normalize().filter(|_| across.length() > 1e-8);
+        let t = t.unwrap_or_else(|| m.any_orthonormal_vector());
         let b = m.cross(t);
         let frame = [t, b, m];
         LocalSide {
