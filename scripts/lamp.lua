@@ -34,6 +34,10 @@ lamp.defaults = {
     optics = { kind = "pillows", width = 9, height = 9, depth = 0.25 },
   },
 
+  -- what is outside of the lens, for a lamp by day: mm, 0 for none
+  bezel = 0, -- width of a chrome frame around the lens
+  shell = 0, -- how far a body-colored housing stands out around the lens and its bezel
+
   -- the chambers, from left to right
   margin = 4, -- from the lens's rim to the reflectors
   rib = 4, -- between two chambers
@@ -313,9 +317,48 @@ local function frame(o, face)
   return parts
 end
 
+--- A band around the face: four sheets, from `at(v)` = offset in mm outward and z over the lens's
+-- outer face.
+local function around_face(o, face, at)
+  local outer = outer_face_function(o.lens)
+  local edge = o.lens_edge * o.coarseness
+  local function side(place)
+    return sheet.turned(sheet.new(function(u, v)
+      local offset, height, depth = at(v)
+      local ds, dt = offset / o.width, offset / o.height
+      local x, y = face(place(u, ds, dt))
+      return x, y, depth and lerp(outer(x, y) + height, depth[1], depth[2]) or outer(x, y) + height
+    end, edge))
+  end
+  return {
+    side(function(u, ds, dt) return lerp(-ds, 1 + ds, u), -dt end),
+    side(function(u, ds, dt) return lerp(1 + ds, -ds, u), 1 + dt end),
+    side(function(u, ds, dt) return -ds, lerp(1 + dt, -dt, u) end),
+    side(function(u, ds, dt) return 1 + ds, lerp(-dt, 1 + dt, u) end),
+  }
+end
+
+--- A rounded frame on the lens's rim.
+local function build_bezel(o, face)
+  return around_face(o, face, function(v)
+    return o.bezel * v, 0.5 * o.bezel * math.sin(math.pi * v) - 0.5
+  end)
+end
+
+--- From the bezel outward in a quarter of an ellipse, and then back.
+local function build_shell(o, face)
+  local back, bend = -30, 0.5
+  return around_face(o, face, function(v)
+    local angle = 0.5 * math.pi * math.min(1, v / bend)
+    local offset = o.bezel + o.shell * math.sin(angle)
+    local height = -0.5 - 1.2 * o.shell * (1 - math.cos(angle))
+    return offset, height, { back, math.max(0, (v - bend) / (1 - bend)) }
+  end)
+end
+
 --- Builds the lamp: { lens, housing, chambers = { { reflector, focus }, … }, triangle_count }, a
 -- mesh for each part, and `sheets`, the surfaces that were meshed:
--- { lens = { … }, housing = { … }, reflectors = { … } }.
+-- { lens = { … }, housing = { … }, reflectors = { … } }. With `bezel` and `shell` it has those meshes, too.
 function lamp.build(options)
   local o = merged(lamp.defaults, options)
   local face = face_function(o)
@@ -330,6 +373,8 @@ function lamp.build(options)
   result.lens = sheet.merged_mesh(sheets.lens)
   result.housing = sheet.merged_mesh(sheets.housing)
   result.triangle_count = #result.lens + #result.housing
+  if o.bezel > 0 then result.bezel = sheet.merged_mesh(build_bezel(o, face)) end
+  if o.shell > 0 then result.shell = sheet.merged_mesh(build_shell(o, face)) end
   for _, chamber in ipairs(result.chambers) do
     result.triangle_count = result.triangle_count + #chamber.reflector
   end
@@ -377,9 +422,29 @@ function lamp.materials()
   return materials
 end
 
---- The list of objects that lampyris.scene takes; `lens` names a material of lamp.materials.
-function lamp.objects(built, lens)
-  local materials = lamp.materials()
+--- The materials for a lamp by day, in absolute photometry: the lens mirrors as much as it does, and
+-- bezel and shell have theirs.
+function lamp.daylight_materials()
+  local options = lamp.material_options()
+  for _, name in ipairs { "red", "amber", "light_amber" } do
+    options[name].k_rg, options[name].k_tg = 1, 0.95
+  end
+  options.housing.k_rg, options.housing.k_s, options.housing.k_d = 0.9, 0.05, 0.05
+  options.chrome = {
+    reflectance = lampyris.spectrum.new { { 380, 0.6 }, { 500, 0.66 }, { 780, 0.64 } },
+    k_rg = 0.93, k_s = 0.05, n_s = 2000, k_d = 0.02, n_d = 1,
+  }
+  -- silver paint under a clear coat: its gloss is a small part of what it returns
+  options.body = { reflectance = 0.5, k_rg = 0.08, k_s = 0.02, n_s = 500, k_d = 0.9, n_d = 1 }
+  local materials = {}
+  for name, given in pairs(options) do materials[name] = lampyris.material(given) end
+  return materials
+end
+
+--- The list of objects that lampyris.scene takes; `lens` names a material of lamp.materials, or of
+-- the `materials` given.
+function lamp.objects(built, lens, materials)
+  materials = materials or lamp.materials()
   local objects = {
     { mesh = built.lens, material = materials[lens or "red"] },
     { mesh = built.housing, material = materials.housing },
@@ -387,6 +452,8 @@ function lamp.objects(built, lens)
   for _, chamber in ipairs(built.chambers) do
     objects[#objects + 1] = { mesh = chamber.reflector, material = materials.aluminium }
   end
+  if built.bezel then objects[#objects + 1] = { mesh = built.bezel, material = materials.chrome } end
+  if built.shell then objects[#objects + 1] = { mesh = built.shell, material = materials.body } end
   return objects
 end
 

@@ -18,11 +18,12 @@ local lamp = require "lamp"
 
 local model = {}
 
---- lamp.build for a model, with edges `coarseness` times as long, its `objects` for lampyris.scene,
--- and its name and shots.
-function model.build(options, coarseness)
+--- lamp.build for a model, with edges `coarseness` times as long and `more` sizes, its `objects` for
+-- lampyris.scene, and its name and shots.
+function model.build(options, coarseness, more)
   local sizes = { coarseness = coarseness }
   for key, value in pairs(options.lamp or {}) do sizes[key] = value end
+  for key, value in pairs(more or {}) do sizes[key] = value end
   local built = lamp.build(sizes)
   built.name, built.shots = options.name, options.shots
   built.objects = lamp.objects(built, options.lens)

@@ -71,7 +71,8 @@ const FIGURES: [&str; 14] = [
 ];
 
 /// Scripts that print tables.
-const TABLES: [&str; 7] = ["table2", "table3", "table4", "table5", "stability", "bench", "truth"];
+const TABLES: [&str; 8] =
+    ["daylight", "table2", "table3", "table4", "table5", "stability", "bench", "truth"];
 
 /// What the others require, and the page of them all.
 const SHARED: [&str; 9] =

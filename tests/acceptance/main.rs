@@ -12,5 +12,6 @@ mod layers;
 mod lens_colors;
 mod light_check;
 mod stage;
+mod surroundings;
 mod target_error;
 mod why_black;

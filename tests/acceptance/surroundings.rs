@@ -1,0 +1,223 @@
+//! Balls under a picture, against f64 integration over what their surface sees.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use lampyris::color::{Photometry, Xyz};
+use lampyris::environment::{Daylight, Dome, Environment, Picture, SkyKind, SunPlace, toward};
+use lampyris::geometry::{DVec3, Mesh};
+use lampyris::image::SpectralImage;
+use lampyris::material::Material;
+use lampyris::render::{Quality, Samples};
+use lampyris::scene::{Background, Scene, Shadows};
+use lampyris::shading::TraceLimits;
+use lampyris::spectrum::Spectrum;
+use lampyris::view::View;
+
+use crate::stage::*;
+
+const RADIUS_MM: f64 = 10.0;
+const PIXELS: usize = 32;
+
+/// Front outward, its seam behind.
+fn ball() -> Mesh {
+    let (columns, rows) = (240, 120);
+    let point = |k: usize| {
+        let along = (k % (columns + 1)) as f64 / columns as f64;
+        let up = (k / (columns + 1)) as f64 / rows as f64;
+        Some(toward(along * 360.0 - 180.0, up * 180.0 - 90.0) * RADIUS_MM)
+    };
+    let points: Vec<_> = (0..(columns + 1) * (rows + 1)).map(point).collect();
+    Mesh::from_grid("ball", columns, rows, &points).expect("a good grid")
+}
+
+/// A blue sky with a bright spot over a brown ground, as a picture of 128 × 64 pixels.
+fn landscape() -> Environment {
+    let (width, height) = (128, 64);
+    let color = |at: usize| {
+        let (x, y) = ((at % width) as f64, (at / width) as f64);
+        let spot = 30.0 * (-((x - 80.0).powi(2) + (y - 12.0).powi(2)) / 8.0).exp();
+        let cloud = 1.0 + 0.4 * (x * 0.2).sin() * (y * 0.3).sin();
+        let sky = Xyz::new(0.8 * cloud + spot, 0.9 * cloud + spot, 1.3 * cloud + spot);
+        if y < 32.0 { sky } else { Xyz::new(0.22, 0.2, 0.1) }
+    };
+    let colors = (0..width * height).map(color);
+    let (picture, upsampling, paled) = Picture::from_colors(width, height, colors).unwrap();
+    assert_eq!(paled, 0.0);
+    Environment::new(Dome::Picture(picture), upsampling.spectra.to_vec()).unwrap().turned(25.0)
+}
+
+fn under(environment: Environment, object: (Mesh, Material), shadows: Shadows) -> Scene {
+    Scene {
+        background: Background::Environment(Arc::new(environment)),
+        photometry: Photometry::Absolute,
+        shadows,
+        ..scene(vec![object], Vec::new())
+    }
+}
+
+fn view() -> View {
+    View {
+        fov_deg: 2.0 * (RADIUS_MM / 1e4f64).atan().to_degrees(),
+        width: PIXELS,
+        height: PIXELS,
+        elevation_deg: 20.0,
+        ..pixel_view(30.0, 1e4)
+    }
+}
+
+fn quality(max_depth: u32) -> Quality {
+    Quality {
+        samples: Samples::Fixed(1),
+        limits: TraceLimits { max_depth, min_throughput: 1e-6, light_error: 0.01 },
+        ..exact(max_depth)
+    }
+}
+
+/// Mean luminance over pixels well within the ball: of the picture, and as `expected` says for a
+/// place on the ball (unit) and the direction toward the eye.
+fn means(image: &SpectralImage, expected: impl Fn(DVec3, DVec3) -> f64) -> [f64; 2] {
+    let (camera, bands) = (view().camera(), image.grid.bands());
+    let (mut sums, mut count) = ([0.0; 2], 0.0);
+    for at in 0..PIXELS * PIXELS {
+        let ray = camera.ray((at % PIXELS) as f64 + 0.5, (at / PIXELS) as f64 + 0.5);
+        let nearest = ray.origin - ray.direction * ray.origin.dot(ray.direction);
+        let across2 = nearest.length_squared() / RADIUS_MM.powi(2);
+        if across2 < 0.95f64.powi(2) {
+            let place = nearest / RADIUS_MM - ray.direction * (1.0 - across2).sqrt();
+            let pixel = &image.bands[at * bands..(at + 1) * bands];
+            let pixel: Vec<f64> = pixel.iter().map(|v| f64::from(*v)).collect();
+            sums[0] += Xyz::from_bands(image.grid, &pixel).y;
+            sums[1] += expected(place, -ray.direction);
+            count += 1.0;
+        }
+    }
+    sums.map(|sum| sum / count)
+}
+
+fn luminance(environment: &Environment, direction: DVec3) -> f64 {
+    environment.seen(direction).0.iter().sum()
+}
+
+#[test]
+fn a_mirror_ball_shows_its_surroundings() {
+    let mirror = Material { k_rg: 1.0, ..material() };
+    let image = shoot(under(landscape(), (ball(), mirror), Shadows::On), &view(), &quality(4));
+    let environment = landscape();
+    let [found, expected] = means(&image, |n, v| luminance(&environment, 2.0 * n.dot(v) * n - v));
+    assert_close(found, expected, 5e-3, "mirror ball");
+}
+
+#[test]
+fn a_glass_ball_shows_its_surroundings() {
+    let glass = Material {
+        transmittance: Some(Spectrum::constant(1.0)),
+        ior: Some(1.5),
+        k_tg: 1.0,
+        ..material()
+    };
+    let image = shoot(under(landscape(), (ball(), glass), Shadows::On), &view(), &quality(4));
+    let environment = landscape();
+    let refract = |d: DVec3, n: DVec3, eta: f64| {
+        let cos = -d.dot(n);
+        let out = (1.0 - eta * eta * (1.0 - cos * cos)).sqrt();
+        eta * d + (eta * cos - out) * n
+    };
+    let [found, expected] = means(&image, |n, v| {
+        let inside = refract(-v, n, 1.0 / 1.5);
+        let far = n - 2.0 * n.dot(inside) * inside;
+        luminance(&environment, refract(inside, -far, 1.5))
+    });
+    assert_close(found, expected, 5e-3, "glass ball");
+}
+
+#[test]
+fn a_white_ball_is_lit_by_its_surroundings() {
+    let environment = landscape();
+    let (rows, columns) = (180, 360);
+    let looks = (0..rows * columns).map(|at| {
+        let theta = PI * ((at / columns) as f64 + 0.5) / rows as f64;
+        let phi = TAU * ((at % columns) as f64 + 0.5) / columns as f64;
+        let direction = toward(phi.to_degrees(), 90.0 - theta.to_degrees());
+        let solid_angle = theta.sin() * (PI / rows as f64) * (TAU / columns as f64);
+        (direction, luminance(&environment, direction) * solid_angle)
+    });
+    let looks: Vec<(DVec3, f64)> = looks.collect();
+    let irradiance =
+        |n: DVec3| looks.iter().map(|(l, light)| light * l.dot(n).max(0.0)).sum::<f64>();
+    for shadows in [Shadows::Off, Shadows::On] {
+        let white = Material { lobes: diffuse(1.0, 1.0), ..material() };
+        let image = shoot(under(landscape(), (ball(), white), shadows), &view(), &quality(1));
+        let [found, expected] = means(&image, |n, _| irradiance(n) / PI);
+        assert_close(found, expected, 5e-3, "white ball");
+    }
+}
+
+/// Rays and lobes see the same light: together they return no more than arrives.
+#[test]
+fn the_papers_reflector_is_no_source() {
+    let furnace = Picture::new(8, 4, vec![[1.0, 0.0, 0.0]; 32]).unwrap();
+    let furnace = Environment::new(Dome::Picture(furnace), vec![Spectrum::constant(1.0)]).unwrap();
+    let mut reflector = Material { k_rg: 0.95, lobes: specular(0.92, 1500.0), ..material() };
+    (reflector.lobes.k_d, reflector.lobes.n_d) = (0.08, 10.0);
+    let image = shoot(under(furnace, (ball(), reflector), Shadows::Off), &view(), &quality(4));
+    let [found, _] = means(&image, |_, _| 0.0);
+    assert!((0.95..1.0).contains(&found), "{found}");
+}
+
+/// A post's shadow under a low sun: how wide its edge is, across 10 % to 90 % of the light.
+#[test]
+fn the_suns_shadow_has_its_soft_edge() {
+    let day = Daylight {
+        kind: SkyKind::standard(5).unwrap(),
+        sun: Some(SunPlace {
+            azimuth_deg: 0.0,
+            elevation_deg: 90.0,
+            illuminance_lx: Some(1e5),
+            cct_k: None,
+        }),
+        turbidity: 2.0,
+        cct_k: None,
+        ground: Spectrum::constant(0.0),
+        illuminance_lx: Some(100_001.0),
+    };
+    let white = Material { lobes: diffuse(1.0, 1.0), ..material() };
+    // A roof 1000 mm over the floor, whose edge is at x = 0.
+    let height = 1000.0;
+    let floor = rectangle(DVec3::ZERO, DVec3::Z * 30.0, DVec3::X * 30.0);
+    let roof = rectangle(DVec3::new(-500.0, height, 0.0), DVec3::Z * 500.0, DVec3::X * 500.0);
+    let environment = day.environment().unwrap();
+    let all = scene(vec![(floor, white), (roof, material())], Vec::new());
+    let all = Scene {
+        background: Background::Environment(Arc::new(environment)),
+        photometry: Photometry::Absolute,
+        shadows: Shadows::On,
+        ..all
+    };
+    // From above, under the roof's height: a row of pixels of 0.2 mm across the edge.
+    let view = View {
+        elevation_deg: 89.999,
+        fov_deg: 2.0 * (0.1f64 / 500.0).atan().to_degrees(),
+        width: 81,
+        height: 1,
+        ..pixel_view(0.0, 500.0)
+    };
+    let image = shoot(all, &view, &Quality { samples: Samples::Fixed(1), ..quality(1) });
+    let bands = image.grid.bands();
+    let lit: Vec<f64> = (0..81)
+        .map(|x| {
+            let pixel: Vec<f64> =
+                image.bands[x * bands..(x + 1) * bands].iter().map(|v| f64::from(*v)).collect();
+            Xyz::from_bands(image.grid, &pixel).y * PI / 1e5
+        })
+        .collect();
+    for (x, found) in lit.iter().enumerate() {
+        let t: f64 = (40.0 - x as f64) * 0.2 / (height * 4.6542e-3f64.tan());
+        let expected = match t {
+            t if t >= 1.0 => 0.0,
+            t if t <= -1.0 => 1.0,
+            t => (t.acos() - t * (1.0 - t * t).sqrt()) / PI,
+        };
+        assert!((found - expected).abs() < 0.01, "{x}: {found}, expected {expected}");
+    }
+}
