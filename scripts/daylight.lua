@@ -11,11 +11,11 @@ local model = require "model"
 local lamp = require "lamp"
 
 local is_tiny = arg[1] == "tiny"
-local width = is_tiny and 48 or tonumber(arg[1]) or 480
-local coarseness = is_tiny and 12 or tonumber(arg[2]) or 2
+local width = is_tiny and 24 or tonumber(arg[1]) or 400
+local coarseness = is_tiny and 16 or tonumber(arg[2]) or 2
 local samples = is_tiny and 200 or tonumber(arg[3]) or 100000
 local quality = {
-  samples = is_tiny and 1 or 4, light_error = 0.05, max_depth = 6, wavelength_step = 20,
+  samples = is_tiny and 1 or 4, light_error = 0.1, max_depth = 6, wavelength_step = 20,
 }
 
 -- The days, both from CIE daylight. A low sun stands behind the viewer, a little to the right.
@@ -106,10 +106,10 @@ local function save(image, name, white)
   })
 end
 
-for gamut, name in pairs { srgb = "sRGB", p3 = "P3" } do
+for _, gamut in ipairs { "srgb", "p3" } do
   local mean, largest = lampyris.environment.round_trip(gamut)
   print(("colors of pictures become spectra and come back within ΔE00 %.4f (mean), %.4f "
-    .. "(largest) over %s"):format(mean, largest, name))
+    .. "(largest) over %s"):format(mean, largest, gamut))
 end
 
 for _, options in ipairs { require "model1", require "model3" } do

@@ -427,8 +427,9 @@ end
 function lamp.daylight_materials()
   local options = lamp.material_options()
   for _, name in ipairs { "red", "amber", "light_amber" } do
-    options[name].k_rg, options[name].k_tg = 1, 0.95
+    options[name].k_rg, options[name].k_tg, options[name].k_d = 1, 0.95, 0
   end
+  options.aluminium.k_d = 0 -- mirrored rays show the surroundings, the rest of the lobe is the bulb's
   options.housing.k_rg, options.housing.k_s, options.housing.k_d = 0.9, 0.05, 0.05
   options.chrome = {
     reflectance = lampyris.spectrum.new { { 380, 0.6 }, { 500, 0.66 }, { 780, 0.64 } },
