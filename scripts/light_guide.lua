@@ -97,6 +97,7 @@ local scene = lampyris.scene {
   objects = {
     { mesh = rod, material = clear },
     { mesh = revolve.plate(10, 0, -12, 190, 60), material = dark }, -- ends beside the bend
+    { mesh = revolve.plate(-95, 0, 8, 36, 60), material = dark }, -- hides the LED and the bend
   },
   lights = {
     lampyris.emitter {

@@ -6,9 +6,9 @@
 local lampyris = require "lampyris"
 local revolve = require "revolve"
 
-local width = tonumber(arg[1]) or 640
-local samples = tonumber(arg[2]) or 4
-local bounced = tonumber(arg[3]) or 40000
+local width = tonumber(arg[1]) or 320
+local samples = tonumber(arg[2]) or 1
+local bounced = tonumber(arg[3]) or 8000
 
 local W, H, DEPTH = 120, 40, 25 -- mm
 
@@ -66,7 +66,7 @@ local scene = lampyris.scene {
   interreflection = { bounces = 20, samples = bounced },
 }
 
-local quality = { samples = samples, wavelength_step = 20, light_error = 0.02 }
+local quality = { samples = samples, wavelength_step = 20, light_error = 0.05 }
 local function view(azimuth)
   return {
     azimuth = azimuth, distance = 3000, target = { 0, 0, DEPTH }, fov = 1.9,
