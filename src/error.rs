@@ -6,34 +6,94 @@ use std::path::{Path, PathBuf};
 /// Everything that a user's input can do wrong, by what the user must do about it.
 ///
 /// A message names the thing, the bad value and what is allowed, in lower case and without a full
-/// stop. The script's line is put in front in one place, `script::position`.
+/// stop. The script's line is put in front in one place, `program::script::fault`.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
+    /// An option that nothing knows: correct its name.
     #[error("{object}: unknown key \"{key}\"{hint} (keys: {known})")]
-    UnknownKey { object: String, key: String, hint: Hint, known: String },
+    UnknownKey {
+        /// What was given the option.
+        object: String,
+        /// The option's name.
+        key: String,
+        /// The name that was meant, if one is near.
+        hint: Hint,
+        /// All names, sorted, with commas between them.
+        known: String,
+    },
 
+    /// An option that has no default: give it.
     #[error("{object}: missing \"{key}\", {expected}")]
-    MissingKey { object: String, key: String, expected: String },
+    MissingKey {
+        /// What needs the option.
+        object: String,
+        /// The option's name.
+        key: String,
+        /// What it has to be, in words.
+        expected: String,
+    },
 
+    /// A value of another type: give one of the right type.
     #[error("{object}: {what} is {found}, expected {expected}")]
-    WrongType { object: String, what: String, found: String, expected: String },
+    WrongType {
+        /// What was given the value.
+        object: String,
+        /// Which of its values.
+        what: String,
+        /// The value in words.
+        found: String,
+        /// The type in words.
+        expected: String,
+    },
 
+    /// A value that is not allowed: give another.
     #[error("{object}: {what} is {value}, allowed: {allowed}")]
-    OutOfRange { object: String, what: String, value: String, allowed: String },
+    OutOfRange {
+        /// What was given the value.
+        object: String,
+        /// Which of its values.
+        what: String,
+        /// The value as it was given.
+        value: String,
+        /// The allowed values in words, with their unit.
+        allowed: String,
+    },
 
+    /// A file that does not hold what it should: correct the file.
     #[error("{}{place}: {problem}", .path.display())]
-    BadFile { path: PathBuf, place: Place, problem: String },
+    BadFile {
+        /// The file.
+        path: PathBuf,
+        /// Where in it.
+        place: Place,
+        /// What is wrong there.
+        problem: String,
+    },
 
+    /// A file that cannot be read or written: look at the file system.
     #[error("{}: {source}", .path.display())]
-    Io { path: PathBuf, source: std::io::Error },
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
 
+    /// Values that are good each, but not together.
     #[error("{object}: {problem}")]
-    Inconsistent { object: String, problem: String },
+    Inconsistent {
+        /// What was given the values.
+        object: String,
+        /// Why they do not go together.
+        problem: String,
+    },
 
+    /// Ctrl-C.
     #[error("interrupted")]
     Interrupted,
 }
 
+/// What can go wrong with a user's input.
 pub type Result<T> = std::result::Result<T, Error>;
 
 /// Where in a file the fault is.
@@ -71,14 +131,17 @@ impl fmt::Display for Hint {
 }
 
 impl Error {
+    /// [`Error::BadFile`].
     pub fn bad_file(path: &Path, place: Place, problem: impl Into<String>) -> Self {
         Error::BadFile { path: path.to_owned(), place, problem: problem.into() }
     }
 
+    /// [`Error::Io`].
     pub fn io(path: &Path, source: std::io::Error) -> Self {
         Error::Io { path: path.to_owned(), source }
     }
 
+    /// [`Error::OutOfRange`]; the value is shown as it displays itself.
     pub fn out_of_range(
         object: &str,
         what: &str,
@@ -93,6 +156,7 @@ impl Error {
         }
     }
 
+    /// [`Error::Inconsistent`].
     pub fn inconsistent(object: &str, problem: impl Into<String>) -> Self {
         Error::Inconsistent { object: object.to_owned(), problem: problem.into() }
     }

@@ -14,7 +14,7 @@ use lampyris::program::develop::develop_files;
 use lampyris::program::progress::Verbosity;
 use lampyris::program::script::{self, ScriptFault, Settings};
 use lampyris::program::sweep::{self, Shard};
-use lampyris::program::{diff, info};
+use lampyris::program::{diff, info, memory};
 
 /// Predicts what a lit lamp looks like and how bright it is, wavelength by wavelength.
 ///
@@ -114,9 +114,9 @@ struct RunOptions {
     /// Threads to render with [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
-    /// Most memory for Lua's own values, such as 500M; meshes, rays and images are not Lua's
-    #[arg(long, value_name = "SIZE", value_parser = bytes_from_text, default_value = "2G")]
-    max_memory: usize,
+    /// Most memory to use, such as 500M [default: three quarters of the machine's]
+    #[arg(long, value_name = "SIZE", value_parser = bytes_from_text)]
+    max_memory: Option<usize>,
     /// No progress on standard error
     #[arg(long)]
     quiet: bool,
@@ -137,6 +137,7 @@ const FAILED: u8 = 1;
 const INTERRUPTED: u8 = 130;
 
 fn main() -> ExitCode {
+    std::panic::set_hook(Box::new(report_bug));
     match CommandLine::parse().command {
         Command::Run { script, options, shard, arguments } => options.start(|settings| {
             let settings = Settings { shard, arguments, ..settings };
@@ -155,23 +156,51 @@ fn main() -> ExitCode {
         }
         Command::Info { files } => print_each(&files, |file| info::describe(file)),
         Command::Options { name } => match script::describe_options(&name) {
-            Ok(text) => {
-                print!("{text}");
-                ExitCode::SUCCESS
+            Ok(text) => say(text.trim_end()),
+            Err(error) => exit_code(Err(error)),
+        },
+        Command::New { name } => match script::write_starter(&name) {
+            Ok(path) => {
+                say(&format!("{}: run it with: lampyris run {}", path.display(), path.display()))
             }
             Err(error) => exit_code(Err(error)),
         },
-        Command::New { name } => exit_code(script::write_starter(&name).map(|path| {
-            println!("{}: run it with: lampyris run {}", path.display(), path.display());
-        })),
         Command::Verify { manifest, script } => verify(&manifest, script.as_deref()),
         Command::Diff { a, b } => diff(&a, &b),
         Command::Merge { folders, into } => {
             let into = into.as_ref().unwrap_or(&folders[0]); // clap asks for one at least
-            exit_code(sweep::merge(&folders, into).map(|merged| {
-                println!("{}: {} shards, {} views", into.display(), merged.shards, merged.views);
-            }))
+            match sweep::merge(&folders, into) {
+                Ok(sweep::Merged { shards, views }) => {
+                    say(&format!("{}: {shards} shards, {views} views", into.display()))
+                }
+                Err(error) => exit_code(Err(error)),
+            }
         }
+    }
+}
+
+/// One line in place of Rust's. Unwinding ends the program then, with exit status 101, and removes
+/// what was being written.
+fn report_bug(panic: &std::panic::PanicHookInfo<'_>) {
+    use std::io::Write;
+    let problem = panic.payload_as_str().unwrap_or("no message").replace('\n', " ");
+    let place = panic.location().map_or_else(String::new, |place| format!(" ({place})"));
+    let line = format!("lampyris: a bug, please report it with what led here: {problem}{place}\n");
+    let _ = std::io::stderr().write_all(line.as_bytes()); // there is nobody else to tell
+}
+
+/// What the command says on standard output.
+///
+/// Nobody may be listening any more, which is no fault; a full disk is one.
+fn say(text: &str) -> ExitCode {
+    use std::io::{ErrorKind, Write};
+    let mut out = std::io::stdout().lock();
+    match writeln!(out, "{text}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            eprintln!("standard output: {error}");
+            ExitCode::from(FAILED)
+        }
+        _ => ExitCode::SUCCESS,
     }
 }
 
@@ -191,7 +220,7 @@ impl RunOptions {
             verbosity,
             interrupted: interrupted_by_ctrl_c(),
             read: self.read,
-            max_memory: Some(self.max_memory),
+            max_memory: Some(self.max_memory.unwrap_or_else(memory::default_limit)),
             ..Settings::default()
         };
         match run(settings) {
@@ -235,7 +264,8 @@ fn print_each(files: &[PathBuf], describe: impl Fn(&PathBuf) -> Result<String, E
     let mut code = ExitCode::SUCCESS;
     for file in files {
         match describe(file) {
-            Ok(text) => println!("{text}"),
+            Ok(text) if say(&text) == ExitCode::SUCCESS => {}
+            Ok(_) => code = ExitCode::from(FAILED),
             Err(error) => code = exit_code(Err(error)),
         }
     }
@@ -252,7 +282,9 @@ fn develop(files: &[PathBuf], look: &Look, out: Option<&std::path::Path>) -> Exi
     for result in results {
         match result {
             Ok((path, developed)) => {
-                println!("{}: exposure {}", path.display(), developed.picture.exposure_factor);
+                let exposure = developed.picture.exposure_factor;
+                let said = say(&format!("{}: exposure {exposure}", path.display()));
+                code = if said == ExitCode::SUCCESS { code } else { said };
             }
             Err(error) => code = exit_code(Err(error)),
         }
@@ -263,7 +295,9 @@ fn develop(files: &[PathBuf], look: &Look, out: Option<&std::path::Path>) -> Exi
 fn diff(a: &std::path::Path, b: &std::path::Path) -> ExitCode {
     match diff::between(a, b) {
         Ok(lines) => {
-            lines.iter().for_each(|line| println!("{line}"));
+            if !lines.is_empty() {
+                say(&lines.join("\n"));
+            }
             ExitCode::from(if lines.is_empty() { 0 } else { FAILED })
         }
         Err(error) => exit_code(Err(error)),
@@ -293,8 +327,8 @@ fn verify(manifest: &std::path::Path, script: Option<&std::path::Path>) -> ExitC
     };
     report.problems.iter().for_each(|problem| eprintln!("{problem}"));
     report.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    println!("{}: {} files are as they were", manifest.display(), report.good);
-    if report.problems.is_empty() { ExitCode::SUCCESS } else { ExitCode::from(FAILED) }
+    let said = say(&format!("{}: {} files are as they were", manifest.display(), report.good));
+    if report.problems.is_empty() { said } else { ExitCode::from(FAILED) }
 }
 
 fn use_threads(threads: Option<u16>) -> Result<(), rayon::ThreadPoolBuildError> {

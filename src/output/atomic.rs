@@ -1,8 +1,10 @@
 //! Files that are there whole or not at all.
 
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::error::{Error, Result};
@@ -43,19 +45,56 @@ pub fn write_csv<Row: AsRef<[f64]>>(
     })
 }
 
+/// The only place that this process writes to, once it has been confined.
+static CONFINED: OnceLock<PathBuf> = OnceLock::new();
+
+/// Lets [`write_atomically`] write below `root` only, for as long as the process lives.
+///
+/// Checked with the folder in hand that is written to: whatever becomes of the names on the way to
+/// it in the meantime, nothing is written elsewhere (on Linux; other systems check names).
+/// Errors: [`Error::Io`] if there is no such place.
+pub fn confine(root: &Path) -> Result<()> {
+    let is_there = |path: &&Path| path.exists();
+    let existing = root.ancestors().find(is_there).unwrap_or(Path::new("."));
+    let rest = root.strip_prefix(existing).unwrap_or(root);
+    let existing = if existing == Path::new("") { Path::new(".") } else { existing };
+    let real = existing.canonicalize().map_err(|e| Error::io(existing, e))?;
+    CONFINED.get_or_init(|| real.join(rest));
+    Ok(())
+}
+
+/// Writes through a handle of the folder, so that a name that changes its meaning changes nothing.
 fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
     let folder = match path.parent() {
         Some(folder) if folder != Path::new("") => folder,
         _ => Path::new("."),
     };
     fs::create_dir_all(folder)?;
-    let partial = Partial(partial_name(path)?);
+    let handle = folder_handle(folder)?;
+    let place = place_of(handle.as_ref(), folder);
+    check_confined(&place)?;
+    let name = path.file_name().ok_or_else(|| io::Error::other("not the name of a file"))?;
+    let partial = Partial(place.join(partial_name(name)));
     let mut file = File::options().read(true).write(true).create_new(true).open(&partial.0)?;
     write(&mut file)?;
     file.sync_all()?;
     drop(file);
-    fs::rename(&partial.0, path)?;
-    sync_folder(folder)
+    fs::rename(&partial.0, place.join(name))?;
+    // The rename itself survives a crash only if the folder is synced.
+    handle.map_or(Ok(()), |handle| handle.sync_all())
+}
+
+fn check_confined(place: &Path) -> io::Result<()> {
+    let Some(root) = CONFINED.get() else {
+        return Ok(());
+    };
+    // The link of an open folder is read as it is: its text is not to be looked up again.
+    let is_open = place.starts_with("/proc/self/fd");
+    let real = if is_open { fs::read_link(place)? } else { place.canonicalize()? };
+    if real.starts_with(root) {
+        return Ok(());
+    }
+    Err(io::Error::new(io::ErrorKind::PermissionDenied, "outside of the output folder"))
 }
 
 /// A file that vanishes unless it is renamed.
@@ -69,23 +108,36 @@ impl Drop for Partial {
 }
 
 /// Hidden, in the same folder (renames do not cross file systems), unlike any other's.
-fn partial_name(path: &Path) -> io::Result<PathBuf> {
+fn partial_name(name: &OsStr) -> String {
     static COUNT: AtomicU64 = AtomicU64::new(0);
-    let name = path.file_name().ok_or_else(|| io::Error::other("not the name of a file"))?;
     let count = COUNT.fetch_add(1, Ordering::Relaxed);
     let process = std::process::id();
-    Ok(path.with_file_name(format!(".{}.{process}.{count}.partial", name.to_string_lossy())))
+    format!(".{}.{process}.{count}.partial", name.to_string_lossy())
 }
 
-/// The rename itself survives a crash only if the folder is synced; folders open only on Unix.
+/// Folders open as files only on Unix.
 #[cfg(unix)]
-fn sync_folder(folder: &Path) -> io::Result<()> {
-    File::open(folder)?.sync_all()
+fn folder_handle(folder: &Path) -> io::Result<Option<File>> {
+    File::open(folder).map(Some)
 }
 
 #[cfg(not(unix))]
-fn sync_folder(_: &Path) -> io::Result<()> {
-    Ok(())
+fn folder_handle(_: &Path) -> io::Result<Option<File>> {
+    Ok(None)
+}
+
+/// Names the very folder that is open, whatever its own name leads to now.
+#[cfg(target_os = "linux")]
+fn place_of(handle: Option<&File>, folder: &Path) -> PathBuf {
+    use std::os::fd::AsRawFd;
+    let open = handle.map(|handle| PathBuf::from(format!("/proc/self/fd/{}", handle.as_raw_fd())));
+    // Without /proc there are only names.
+    open.filter(|open| open.exists()).unwrap_or_else(|| folder.to_owned())
+}
+
+#[cfg(not(target_os = "linux"))]
+fn place_of(_: Option<&File>, folder: &Path) -> PathBuf {
+    folder.to_owned()
 }
 
 #[cfg(test)]

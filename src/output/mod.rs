@@ -11,7 +11,14 @@ mod radiance;
 #[cfg(test)]
 pub(crate) mod scratch;
 
-pub use atomic::{write_atomically, write_csv, write_text};
+use std::path::Path;
+
+use crate::error::Result;
+use crate::light::RaySet;
+use crate::source::rayfile::{self, SaveFormat};
+use crate::spectrum::Spectrum;
+
+pub use atomic::{confine, write_atomically, write_csv, write_text};
 pub use base64::base64;
 pub use exchange::{write_float_tiff, write_jpeg, write_tiff};
 pub use exr::{ExrBands, ExrInfo, read_exr, read_exr_info, write_exr, write_exr_as};
@@ -21,3 +28,15 @@ pub use png::{
     ColorSpace, Raster, Samples, develop_png, develop_raster, display_raster, encode_png, read_png,
     write_png,
 };
+
+/// Writes a ray file, whole or not at all.
+///
+/// Errors: [`crate::Error::Io`]; as [`rayfile::writer`].
+pub fn save_rays(
+    path: &Path,
+    rays: &RaySet,
+    spectrum: &Spectrum,
+    format: SaveFormat,
+) -> Result<()> {
+    write_atomically(path, rayfile::writer(path, rays, spectrum, format)?)
+}

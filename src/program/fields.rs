@@ -14,11 +14,17 @@ use crate::geometry::DVec3;
 pub enum Cell {
     /// Left out of records.
     Nothing,
+    /// A number.
     Number(f64),
+    /// A whole number.
     Count(u64),
+    /// True or false.
     Flag(bool),
+    /// A string.
     Text(String),
+    /// Values in their order.
     List(Vec<Cell>),
+    /// Values by name.
     Record(Vec<(&'static str, Cell)>),
 }
 
@@ -42,14 +48,17 @@ impl Cell {
 
 /// One field of a record of type `T`.
 pub struct Field<T> {
+    /// As scripts and manifests call it.
     pub name: &'static str,
     /// For the Lua language server.
     pub lua_type: &'static str,
     /// Without a full stop; may be empty where the name says it.
     pub sentence: &'static str,
+    /// Its value in a record.
     pub cell: fn(&T) -> Cell,
 }
 
+/// A [`Field`] from its parts, in a line.
 pub const fn field<T>(
     name: &'static str,
     lua_type: &'static str,
@@ -61,7 +70,9 @@ pub const fn field<T>(
 
 /// The fields of a record, by the name of its class in the annotations.
 pub struct Fields<T: 'static> {
+    /// Of the record in the annotations.
     pub class: &'static str,
+    /// In the order of the manual.
     pub fields: &'static [Field<T>],
 }
 

@@ -8,6 +8,7 @@ use crate::columns::Choice;
 use crate::error::{Error, Place, Result};
 use crate::geometry::import::{self, MeshFile, Reading};
 use crate::output;
+use crate::program::stamp::Stamp;
 use crate::program::sweep::Manifest;
 use crate::source::Starts;
 use crate::source::rayfile::{self, RayFile, SpectrumSource};
@@ -22,6 +23,7 @@ const START: u64 = 4096;
 /// rest are rays, or else a spectrum.
 /// Errors: a file of none of these kinds, or a broken one.
 pub fn describe(path: &Path) -> Result<String> {
+    Stamp::of(path)?; // a named pipe would be waited for
     let mut start = Vec::new();
     File::open(path)
         .and_then(|file| file.take(START).read_to_end(&mut start))

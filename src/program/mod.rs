@@ -13,5 +13,6 @@ pub mod progress;
 pub mod results;
 pub mod script;
 pub mod stage;
+pub mod stamp;
 pub mod study;
 pub mod sweep;

@@ -119,9 +119,13 @@ fn per_sum(stats: &RenderStats, count: u64) -> Cell {
 
 /// What a render cost, which differs from run to run.
 pub struct Cost {
+    /// Of rendering.
     pub seconds: f64,
+    /// Of rendering, as thought after the first samples; `None` without `target_error`.
     pub expected_seconds: Option<f64>,
+    /// Of preparing the scene.
     pub build: BuildSeconds,
+    /// Of the program so far, MB of 10⁶ bytes; `None` where the system does not tell.
     pub peak_memory_mb: Option<f64>,
 }
 
@@ -403,8 +407,11 @@ pub const POINT: Fields<PointCheck> = Fields {
 
 /// A ray where it is in the scene.
 pub struct WorldRay {
+    /// Where it starts, mm.
     pub position: DVec3,
+    /// Of length 1.
     pub direction: DVec3,
+    /// Luminous flux, lm.
     pub flux_lm: f64,
 }
 

@@ -224,7 +224,6 @@ fn ctrl_c_ends_what_never_looks_up() {
         "string.find(('a'):rep(60), ('a?'):rep(60) .. ('a'):rep(60))",
         "string.gsub(('a'):rep(60), ('a-'):rep(60) .. 'b', '')",
         "table.move({}, 1, 1 << 60, 2)",
-        "setmetatable({}, { __gc = function() while true do end end }) collectgarbage()",
     ];
     let bench = Bench::new();
     let mut children = Vec::new();
@@ -327,7 +326,7 @@ fn the_state_is_closed() {
 #[test]
 fn memory_has_a_limit_by_itself() {
     let bench = Bench::new();
-    let message = bench.fail_script("local s = ('x'):rep(0x7fffff00)");
+    let message = bench.fail_script("local s = ('x'):rep(1 << 40)");
     assert_eq!(message, "script: out of memory\n");
 }
 

@@ -3,7 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use lampyris::light::{RaySample, RaySet};
-use lampyris::source::rayfile::{self, LightOptions, RayFile, SaveFormat, SpectrumSource, save};
+use lampyris::output::save_rays as save;
+use lampyris::source::rayfile::{self, LightOptions, RayFile, SaveFormat, SpectrumSource};
 use lampyris::spectrum::Spectrum;
 use proptest::prelude::*;
 
@@ -131,8 +132,11 @@ fn what_cannot_be_written_leaves_nothing_behind() {
     dark.flux_lm = 0.0;
     assert!(save(&scratch.0, &dark, &Spectrum::constant(1.0), SaveFormat::Csv).is_err());
     assert!(!scratch.0.exists());
-    let missing = Path::new("/nowhere/at/all.csv");
-    assert!(save(missing, &one_ray(), &Spectrum::constant(1.0), SaveFormat::Csv).is_err());
+    std::fs::write(&scratch.0, "a file, not a folder").unwrap();
+    assert!(
+        save(&scratch.0.join("all.csv"), &one_ray(), &Spectrum::constant(1.0), SaveFormat::Csv)
+            .is_err()
+    );
     assert!(SaveFormat::of(Path::new("a.dat")).is_err());
     assert_eq!(SaveFormat::of(Path::new("a.TM25RAY")).unwrap(), SaveFormat::Tm25);
 }

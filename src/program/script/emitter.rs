@@ -3,7 +3,7 @@
 use mlua::{Lua, Table};
 
 use super::kinds::{Choice, Flag, Handle, Kind, Nested, Number, SpectrumOrNumber, Vector};
-use super::light::{FLUX, LuaLight, SEED, samples};
+use super::light::{FLUX, LuaLight, SEED, reserve_samples, samples};
 use super::material::LuaMaterial;
 use super::mesh::LuaMesh;
 use super::options::{Arguments, Range};
@@ -96,6 +96,7 @@ const MM: Number = Number(Range::above_zero("mm"));
 fn cylinder(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let given: CylinderOptions = arguments.record()?;
     host::of(lua)?.note_seed("cylinder", given.seed);
+    reserve_samples(lua, "cylinder", given.samples)?;
     let cylinder = Cylinder {
         center: given.center,
         axis: given.axis,
@@ -134,6 +135,7 @@ fn emitter(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
 fn filament(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let given: FilamentOptions = arguments.record()?;
     host::of(lua)?.note_seed("filament", given.seed);
+    reserve_samples(lua, "filament", given.samples)?;
     let filament = Filament {
         coil: Coil {
             wire_radius_mm: given.wire_radius,
@@ -206,6 +208,7 @@ fn bulb(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let given: BulbOptions = arguments.record()?;
     let bulb = Bulb::find(&category, given.filament)?;
     host::of(lua)?.note_seed("bulb", given.seed);
+    reserve_samples(lua, "bulb", given.samples)?;
     let BulbOptions { center, axis, filament_axis, .. } = given;
     let socket = Socket { center, axis, filament_axis };
     let filament = bulb.filament(&socket, given.samples, given.seed)?;

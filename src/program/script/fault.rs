@@ -13,13 +13,14 @@ use crate::program::progress::Verbosity;
 #[derive(Debug, thiserror::Error)]
 #[error("{message}")]
 pub struct ScriptFault {
+    /// With the script's line in front, where it has one.
     pub message: String,
     /// Ctrl-C, not a mistake.
     pub interrupted: bool,
 }
 
 impl ScriptFault {
-    /// Ctrl-C.
+    /// A script that Ctrl-C has ended.
     pub fn interrupted() -> Self {
         Self { message: Error::Interrupted.to_string(), interrupted: true }
     }
@@ -34,6 +35,12 @@ impl ScriptFault {
             }
             Verbosity::Quiet | Verbosity::Bar => self.message.clone(),
         }
+    }
+}
+
+impl From<Error> for ScriptFault {
+    fn from(error: Error) -> Self {
+        Self { message: error.to_string(), interrupted: false }
     }
 }
 

@@ -20,6 +20,7 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
         "read",
         fault::function(lua, |lua, a| {
             let path = host::of(lua)?.input(&Arguments::new("read", a, 1)?.text("path")?)?;
+            host::reserve_for_file(lua, "read", &path)?;
             std::fs::read_to_string(&path).map_err(|e| Error::io(&path, e).into())
         })?,
     )

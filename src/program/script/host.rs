@@ -1,14 +1,16 @@
 //! What a running script knows of its surroundings: folders, output, warnings, Ctrl-C.
 
 use std::path::{Component, Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
 
 use mlua::Lua;
 
 use crate::display::{Gamut, GamutReport, Look};
 use crate::error::{Error, Result};
+use crate::program::memory;
 use crate::program::progress::{Progress, Verbosity};
+use crate::program::stamp::Stamp;
 use crate::program::sweep::{self, Shard};
 
 /// What the command line says.
@@ -16,6 +18,7 @@ use crate::program::sweep::{self, Shard};
 pub struct Settings {
     /// Everything written goes under this folder.
     pub out: PathBuf,
+    /// What standard error is told.
     pub verbosity: Verbosity,
     /// The script's own arguments.
     pub arguments: Vec<String>,
@@ -23,7 +26,7 @@ pub struct Settings {
     pub interrupted: Arc<AtomicBool>,
     /// Folders to read from, besides the script's and the working directory.
     pub read: Vec<PathBuf>,
-    /// Bytes that Lua may use; meshes, rays and images are not Lua's.
+    /// Bytes that the program may use, Lua's among them.
     pub max_memory: Option<usize>,
     /// The part of each sweep to render.
     pub shard: Option<Shard>,
@@ -32,11 +35,16 @@ pub struct Settings {
 /// The surroundings of one script.
 #[derive(Debug, Clone)]
 pub struct Host {
+    /// The script's file, as it was named.
     pub script: PathBuf,
+    /// What the command line says.
     pub settings: Settings,
     warnings: Arc<Mutex<Vec<(String, u32)>>>,
     clipped: Arc<Mutex<Clipped>>,
+    script_input: Arc<OnceLock<Input>>,
     inputs: Arc<Mutex<Vec<Input>>>,
+    /// Bytes of big things made since garbage was last collected.
+    uncollected: Arc<AtomicUsize>,
     seeds: Arc<Mutex<Vec<(String, u64)>>>,
 }
 
@@ -45,14 +53,33 @@ pub struct Host {
 pub struct Input {
     /// As the script names it.
     pub name: String,
+    /// Where it was found.
     pub path: PathBuf,
+    /// When it was read.
+    pub stamp: Stamp,
+}
+
+impl Input {
+    /// Whether the file is still the one that was read.
+    ///
+    /// Errors: the file has changed since it was read.
+    pub fn check(&self) -> Result<()> {
+        if Stamp::of(&self.path)? == self.stamp {
+            return Ok(());
+        }
+        let problem = format!("{} has changed since it was read: run the script again", self.name);
+        Err(Error::inconsistent("input", problem))
+    }
 }
 
 impl Host {
+    /// Of a script that has not read anything yet.
     pub fn new(script: &Path, settings: Settings) -> Self {
         Self {
             script: script.to_owned(),
             settings,
+            script_input: Arc::default(),
+            uncollected: Arc::default(),
             warnings: Arc::default(),
             clipped: Arc::default(),
             inputs: Arc::default(),
@@ -60,14 +87,22 @@ impl Host {
         }
     }
 
+    /// Whether Ctrl-C was pressed.
     pub fn is_interrupted(&self) -> bool {
         self.settings.interrupted.load(Ordering::Relaxed)
     }
 
+    /// Progress of a job of so many pixels.
     pub fn progress(&self, pixels: usize) -> Progress {
         Progress::new(self.settings.verbosity, Arc::clone(&self.settings.interrupted), pixels)
     }
 
+    /// As files name the script: the same from wherever it is run.
+    pub fn script_name(&self) -> String {
+        self.script.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// The folder that files are first looked for in.
     pub fn script_folder(&self) -> &Path {
         self.script.parent().unwrap_or(Path::new(""))
     }
@@ -75,25 +110,47 @@ impl Host {
     /// Where a file to be read lies: the script's folder first, then the working directory. It is
     /// noted as an input.
     ///
-    /// Errors: a file outside of both and of the folders of `--read`, also through a symbolic
-    /// link. A file that is not there is left to its reader to report.
+    /// Errors: a place outside of both and of the folders of `--read`, also through a symbolic
+    /// link, whether there is a file or not; a named pipe, a device. A file that is not there is
+    /// left to its reader to report.
     pub fn input(&self, path: &str) -> Result<PathBuf> {
         let beside_script = self.script_folder().join(path);
         let found = if beside_script.exists() { beside_script } else { PathBuf::from(path) };
+        self.check_readable(path, &found)?;
         if found.exists() {
-            self.check_readable(path, &found)?;
-            self.note_input(path, &found);
+            self.note_input(path, &found)?;
         }
         Ok(found)
     }
 
-    /// Notes a file that the script read.
-    pub(super) fn note_input(&self, name: &str, path: &Path) {
-        let input = Input { name: name.to_owned(), path: path.to_owned() };
+    /// Notes a file that the script is about to read.
+    ///
+    /// Errors: a file that has changed since it was read before; a named pipe, a device.
+    pub(super) fn note_input(&self, name: &str, path: &Path) -> Result<()> {
+        let stamp = Stamp::of(path)?;
         let mut inputs = locked(&self.inputs);
-        if !inputs.contains(&input) {
-            inputs.push(input);
+        match inputs.iter().find(|input| input.name == name && input.path == path) {
+            Some(known) => known.check(),
+            None => {
+                inputs.push(Input { name: name.to_owned(), path: path.to_owned(), stamp });
+                Ok(())
+            }
         }
+    }
+
+    /// Notes the script itself, before it is read.
+    ///
+    /// Errors: it cannot be read.
+    pub(super) fn note_script(&self) -> Result<()> {
+        let stamp = Stamp::of_script(&self.script)?;
+        let input = Input { name: self.script_name(), path: self.script.clone(), stamp };
+        self.script_input.get_or_init(|| input);
+        Ok(())
+    }
+
+    /// The script as it was read; `None` at a prompt.
+    pub fn script_input(&self) -> Option<&Input> {
+        self.script_input.get()
     }
 
     /// All files that the script has read so far, in the order of their first reading.
@@ -110,14 +167,17 @@ impl Host {
         }
     }
 
-    /// Objects and seeds, in the order of their making.
+    /// Objects and their seeds, in the order of their making.
     pub fn seeds(&self) -> Vec<(String, u64)> {
         locked(&self.seeds).clone()
     }
 
     /// Errors: `path`, once its symbolic links are followed, lies in no folder to read from.
     pub(super) fn check_readable(&self, name: &str, path: &Path) -> Result<()> {
-        let real = path.canonicalize().map_err(|e| Error::io(path, e))?;
+        // Where there is nothing, the folder that it would be in decides: nobody learns what is there.
+        let is_there = |path: &&Path| path.symlink_metadata().is_ok();
+        let existing = path.ancestors().find(is_there).unwrap_or(Path::new("."));
+        let real = existing.canonicalize().unwrap_or_default();
         let script_folder = match self.script_folder() {
             folder if folder == Path::new("") => Path::new("."),
             folder => folder,
@@ -194,6 +254,7 @@ impl Host {
         *locked(&self.clipped) = Clipped::default();
     }
 
+    /// Prints each warning once, with how often it came.
     pub fn print_warnings(&self) {
         let clipped = locked(&self.clipped).warning().map(|text| (text, 1));
         for (text, count) in locked(&self.warnings).iter().chain(&clipped) {
@@ -251,4 +312,37 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 pub(super) fn of(lua: &Lua) -> mlua::Result<Host> {
     let host = lua.app_data_ref::<Host>();
     host.map(|host| host.clone()).ok_or_else(|| mlua::Error::runtime("state without a host"))
+}
+
+/// Big things weigh little in Lua's eyes, so that its collector is called after so many bytes.
+const COLLECT_AFTER: usize = 64_000_000;
+
+/// Makes room for something big that is about to be made.
+///
+/// Errors: it does not fit into what the program may use; `remedy` tells what would.
+pub(super) fn reserve(lua: &Lua, object: &str, bytes: usize, remedy: &str) -> mlua::Result<()> {
+    let host = of(lua)?;
+    let uncollected = host.uncollected.fetch_add(bytes, Ordering::Relaxed).saturating_add(bytes);
+    if uncollected > COLLECT_AFTER {
+        host.uncollected.store(bytes, Ordering::Relaxed);
+        lua.gc_collect()?;
+    }
+    let limit = host.settings.max_memory.unwrap_or(usize::MAX);
+    let used = memory::resident().unwrap_or(0);
+    if bytes <= limit.saturating_sub(used) {
+        return Ok(());
+    }
+    let problem = format!(
+        "needs {}, but {} of --max-memory {} are in use: {remedy}",
+        memory::in_words(bytes),
+        memory::in_words(used),
+        memory::in_words(limit),
+    );
+    Err(Error::inconsistent(object, problem).into())
+}
+
+/// [`reserve`] for what is made of a file, which is a few times as large.
+pub(super) fn reserve_for_file(lua: &Lua, object: &str, path: &Path) -> mlua::Result<()> {
+    let length = path.metadata().map_or(0, |data| data.len() as usize);
+    reserve(lua, object, length.saturating_mul(4), "a smaller file")
 }

@@ -53,16 +53,18 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     let load = fault::function(lua, |lua, a| {
         let path = Arguments::new("image.load", a, 1)?.text("path")?;
         let path = host::of(lua)?.input(&path)?;
+        host::reserve_for_file(lua, "image.load", &path)?;
         Ok(LuaImage::of(output::read_exr(&path)?))
     })?;
     table.set("load", load)?;
-    table.set("sum", fault::function(lua, |_, a| sum(Arguments::new("image.sum", a, 1)?))?)?;
+    table
+        .set("sum", fault::function(lua, |lua, a| sum(lua, Arguments::new("image.sum", a, 1)?))?)?;
     fault::refuse_unknown_names(lua, &table, "lampyris.image")?;
     module.set("image", table)
 }
 
 /// `{ { a, 0.3 }, b, … }`: an image alone has the weight 1.
-fn sum(mut arguments: Arguments) -> mlua::Result<LuaImage> {
+fn sum(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaImage> {
     const OBJECT: &str = "image.sum";
     let entries = options::list(OBJECT, "argument 1", &arguments.value(), IMAGES)?;
     let term = |(at, entry): (usize, &Value)| -> mlua::Result<(f64, LuaImage)> {
@@ -86,11 +88,15 @@ fn sum(mut arguments: Arguments) -> mlua::Result<LuaImage> {
         Ok((weight, options::handle(OBJECT, &what, &image, "an image")?))
     };
     let terms = (1..).zip(&entries).map(term).collect::<mlua::Result<Vec<_>>>()?;
-    weighted(&terms)
+    weighted(lua, &terms)
 }
 
-fn weighted(terms: &[(f64, LuaImage)]) -> mlua::Result<LuaImage> {
+fn weighted(lua: &Lua, terms: &[(f64, LuaImage)]) -> mlua::Result<LuaImage> {
     let terms: Vec<_> = terms.iter().map(|(weight, i)| (*weight, &i.0.image)).collect();
+    let bytes = terms.first().map_or(0, |(_, image)| {
+        (image.width * image.height).saturating_mul(size_of::<f32>() * image.grid.bands())
+    });
+    host::reserve(lua, "image.sum", bytes, "fewer pixels would fit")?;
     Ok(LuaImage::of(weighted_sum(&terms)?))
 }
 
@@ -259,7 +265,7 @@ impl UserData for LuaImage {
             let image =
                 |value: &Value| options::handle("image + image", "operand", value, "an image");
             let terms = || Ok([(1.0, image(&a)?), (1.0, image(&b)?)]);
-            let sum = terms().and_then(|terms: [(f64, LuaImage); 2]| weighted(&terms));
+            let sum = terms().and_then(|terms: [(f64, LuaImage); 2]| weighted(lua, &terms));
             sum.map_err(|error| fault::located(lua, error))
         });
         methods.add_meta_function(MetaMethod::Mul, |lua, (a, b): (Value, Value)| {
@@ -269,7 +275,7 @@ impl UserData for LuaImage {
                 let weight = options::number(OBJECT, "operand", &weight, Range::ANY)?;
                 Ok((weight, options::handle(OBJECT, "operand", &image, "an image")?))
             };
-            let scaled = term().and_then(|term| weighted(&[term]));
+            let scaled = term().and_then(|term| weighted(lua, &[term]));
             scaled.map_err(|error| fault::located(lua, error))
         });
         fault::refuse_unknown_fields(methods, "image", &NAMES);

@@ -19,6 +19,7 @@ use super::{fault, host};
 use crate::error::Error;
 use crate::geometry::DVec3;
 use crate::light::{RaySample, RaySet};
+use crate::output;
 use crate::program::fields::Cell;
 use crate::program::results::{RAY, START_SURFACE, WorldRay};
 use crate::source::rayfile::{self, LightOptions, SaveFormat};
@@ -105,7 +106,9 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let path = arguments.text("path")?;
     let given: RaysetLoadOptions = arguments.record()?;
     let host = host::of(lua)?;
-    let file = rayfile::read(&host.input(&path)?)?;
+    let found = host.input(&path)?;
+    host::reserve_for_file(lua, "rayset.load", &found)?;
+    let file = rayfile::read(&found)?;
     for warning in &file.warnings {
         host.warn(format!("{path}: {warning}"));
     }
@@ -144,6 +147,12 @@ const LAST: u64 = 1 << 53;
 /// Draws repeat: the same seed gives the same samples. Manifests name it.
 pub(super) const SEED: Or<Count<u64>> =
     Or { kind: Count::new(0, LAST), default: thinning::DEFAULT_SEED };
+
+/// Room for the samples of a source.
+pub(super) fn reserve_samples(lua: &Lua, object: &str, count: usize) -> mlua::Result<()> {
+    let bytes = count.saturating_mul(size_of::<RaySample>());
+    host::reserve(lua, object, bytes, "fewer samples would fit")
+}
 
 /// How many rays a source is sampled by.
 pub(super) fn samples(default: usize) -> Or<Count<usize>> {
@@ -356,7 +365,7 @@ impl UserData for LuaLight {
             let path = Arguments::new("rayset:save", a, 1)?.text("path")?;
             let target = host::of(lua)?.output(&path)?;
             let format = SaveFormat::of(&target)?;
-            Ok(rayfile::save(&target, &this.rays, &this.spectrum, format)?)
+            Ok(output::save_rays(&target, &this.rays, &this.spectrum, format)?)
         });
         fault::method(methods, "rays", |_, this: &Self, _| {
             let lm_per_flux = this.rays.lm_per_flux();

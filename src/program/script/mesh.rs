@@ -65,7 +65,7 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
         .set("new", fault::function(lua, |_, a| from_tables(Arguments::new("mesh.new", a, 1)?))?)?;
     table.set(
         "surface",
-        fault::function(lua, |_, a| surface(Arguments::new("mesh.surface", a, 1)?))?,
+        fault::function(lua, |lua, a| surface(lua, Arguments::new("mesh.surface", a, 1)?))?,
     )?;
     table.set("merge", fault::function(lua, |_, a| merge(Arguments::new("mesh.merge", a, 1)?))?)?;
     fault::refuse_unknown_names(lua, &table, "lampyris.mesh")?;
@@ -126,7 +126,9 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let options: MeshLoadOptions = arguments.record()?;
     let host = host::of(lua)?;
     let has_unit = options.unit.is_some();
-    let file = import::load(&host.input(&path)?, &options.reading())?;
+    let found = host.input(&path)?;
+    host::reserve_for_file(lua, "mesh.load", &found)?;
+    let file = import::load(&found, &options.reading())?;
     let unit = file.unit_warning().filter(|_| !has_unit);
     let warnings = file.warnings.iter().cloned().chain(unit);
     warnings.for_each(|warning| host.warn(format!("{path}: {warning}")));
@@ -216,9 +218,13 @@ options! {
     }
 }
 
-fn surface(mut arguments: Arguments) -> mlua::Result<LuaMesh> {
+fn surface(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let given: MeshSurfaceOptions = arguments.record()?;
     let MeshSurfaceOptions { nu, nv, .. } = given;
+    /// Of a grid's point, its mesh's position and normal, and two triangles.
+    const BYTES_A_POINT: usize = 128;
+    let bytes = (nu + 1).saturating_mul(nv + 1).saturating_mul(BYTES_A_POINT);
+    host::reserve(lua, SURFACE, bytes, "fewer cells, nu and nv, would fit")?;
     let mut points = Vec::with_capacity((nu + 1) * (nv + 1));
     for j in 0..=nv {
         for i in 0..=nu {

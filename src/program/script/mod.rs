@@ -2,6 +2,11 @@
 //!
 //! Bindings turn Lua values into the plain types of the other modules, call one function, and hand
 //! back an immutable handle. They are the only place that knows Lua.
+//!
+//! To add an option: write its row into the record of the binding (`options! { … }`; [`record`] shows
+//! what comes from it) and use the field. Its kind ([`kinds`]) reads it, with the message that a
+//! wrong value gets. To add a result: write its row into the list in `program::results`. Then
+//! `MAKE_REF=1 cargo test --lib annotations` writes the annotations and `docs/options.md` anew.
 
 mod annotations;
 mod cell;
@@ -39,9 +44,12 @@ mod sweep;
 mod view;
 mod views;
 
+use std::io::Write;
 use std::path::Path;
 
 use mlua::{Lua, Table};
+
+use crate::output;
 
 pub use annotations::describe_options;
 pub use fault::ScriptFault;
@@ -53,17 +61,21 @@ pub use starter::write_starter;
 ///
 /// Errors: [`ScriptFault`], one message for the script's user.
 pub fn run(script: &Path, settings: Settings) -> Result<(), ScriptFault> {
-    let source = std::fs::read(script).map_err(|e| ScriptFault::unreadable(script, e))?;
     let lua = state(script, settings)?;
+    let host = host::of(&lua)?;
+    host.note_script()?;
+    let source = std::fs::read(script).map_err(|e| ScriptFault::unreadable(script, e))?;
     let chunk_name = format!("@{}", script.display());
     let done = lua.load(source).set_name(chunk_name).set_mode(mlua::chunk::ChunkMode::Text).exec();
-    let host = host::of(&lua)?;
     host.print_warnings();
-    done.map_err(|error| fault::from_lua(error, &host))
+    let printed = std::io::stdout().flush();
+    done.map_err(|error| fault::from_lua(error, &host))?;
+    printed.map_err(|e| ScriptFault::unreadable(Path::new("standard output"), e))
 }
 
 /// A sandboxed state with the module `lampyris` ready to be required.
 fn state(script: &Path, settings: Settings) -> Result<Lua, ScriptFault> {
+    output::confine(&settings.out)?;
     let lua = sandbox::new_state()?;
     let host = Host::new(script, settings);
     sandbox::limit(&lua, &host)?;

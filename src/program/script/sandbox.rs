@@ -1,5 +1,8 @@
 //! A Lua state that cannot reach the system.
 
+use std::io::Write;
+use std::path::Path;
+
 use mlua::chunk::ChunkMode;
 use mlua::{HookTriggers, Lua, LuaOptions, LuaString, MultiValue, StdLib, Table, Value, VmState};
 
@@ -10,12 +13,6 @@ use crate::error::Error;
 /// Names that stay in `os` and `io`; the rest runs programs or opens files.
 const OS_KEPT: [&str; 4] = ["clock", "date", "difftime", "time"];
 const IO_KEPT: [&str; 1] = ["write"];
-/// `io.write` returns the file of standard output, with methods that read, seek and close.
-const CLOSE_FILES: &str = r#"
-    local file = getmetatable(io.stdout)
-    file.__index = { write = file.__index.write }
-    file.__metatable = false
-"#;
 /// Globals that read files.
 const GLOBALS_REMOVED: [&str; 2] = ["dofile", "loadfile"];
 
@@ -32,8 +29,8 @@ pub(super) fn new_state() -> mlua::Result<Lua> {
         | StdLib::MATH
         | StdLib::OS
         | StdLib::IO;
-    let lua = Lua::new_with(libraries, LuaOptions::default())?;
-    lua.load(CLOSE_FILES).set_name("=__files").exec()?;
+    // A panic is a fault of ours: no script's pcall may go on after it.
+    let lua = Lua::new_with(libraries, LuaOptions::new().catch_rust_panics(false))?;
     let globals = lua.globals();
     keep_only(&globals.get("os")?, &OS_KEPT)?;
     keep_only(&globals.get("io")?, &IO_KEPT)?;
@@ -45,7 +42,94 @@ pub(super) fn new_state() -> mlua::Result<Lua> {
     // Lua seeds itself from the clock and an address: the same script would draw other numbers.
     globals.get::<Table>("math")?.get::<mlua::Function>("randomseed")?.call::<()>(0)?;
     replace_pcall(&lua)?;
+    replace_setmetatable(&lua)?;
+    replace_output(&lua)?;
     Ok(lua)
+}
+
+/// `setmetatable` without finalizers.
+///
+/// Lua runs those that are left when the state closes. By then the binding library has let go of
+/// what its callbacks use, and a finalizer that calls one reads freed memory (mlua 0.12, Lua 5.4).
+/// Lua looks for `__gc` only here, so that it never runs one that is not there at this moment.
+fn replace_setmetatable(lua: &Lua) -> mlua::Result<()> {
+    const WRAPPER: &str = r#"
+        local raw, rawget, rawset, type, pcall, error, warn = ...
+        return function(object, meta)
+            local finalizer = type(meta) == "table" and rawget(meta, "__gc")
+            if not finalizer then return raw(object, meta) end
+            warn()
+            rawset(meta, "__gc", nil)
+            local ok, problem = pcall(raw, object, meta)
+            rawset(meta, "__gc", finalizer)
+            if not ok then error(problem, 2) end
+            return object
+        end
+    "#;
+    let warn = lua.create_function(|lua, ()| {
+        host::of(lua)?.warn("setmetatable: finalizers (__gc) are never run; <close> is");
+        Ok(())
+    })?;
+    let globals = lua.globals();
+    let names = ["setmetatable", "rawget", "rawset", "type", "pcall", "error"];
+    let mut raw = names
+        .map(|name| globals.get::<Value>(name))
+        .into_iter()
+        .collect::<mlua::Result<Vec<_>>>()?;
+    raw.push(Value::Function(warn));
+    let chunk = lua.load(WRAPPER).set_name("=__setmetatable");
+    globals.set("setmetatable", chunk.call::<Value>(MultiValue::from_vec(raw))?)
+}
+
+/// `print` and `io.write` whose errors are errors: a full disk or a closed pipe loses nothing
+/// without a word.
+fn replace_output(lua: &Lua) -> mlua::Result<()> {
+    const WRAPPERS: &str = r#"
+        local put, io, tostring, pack, concat, type, integer, format, error = ...
+        local out = setmetatable({}, { __metatable = false, __name = "FILE*" })
+        function out.write(_, ...)
+            local parts = pack(...)
+            for at = 1, parts.n do
+                local part = parts[at]
+                if type(part) == "number" then
+                    parts[at] = format(integer(part) == "integer" and "%d" or "%.14g", part)
+                elseif type(part) ~= "string" then
+                    error("bad argument #" .. at .. " to 'write' (string expected, got " .. type(part) .. ")", 2)
+                end
+            end
+            put(concat(parts))
+            return out
+        end
+        io.write = function(...) return out.write(out, ...) end
+        io.stdout = nil
+        return function(...)
+            local parts = pack(...)
+            for at = 1, parts.n do parts[at] = tostring(parts[at]) end
+            put(concat(parts, "\t") .. "\n")
+        end
+    "#;
+    let globals = lua.globals();
+    let put = fault::function(lua, |_, arguments| {
+        let Some(Value::String(text)) = arguments.into_iter().next() else {
+            return Ok(());
+        };
+        let written = std::io::stdout().write_all(&text.as_bytes());
+        written.map_err(|e| Error::io(Path::new("standard output"), e).into())
+    })?;
+    let (table, string): (Table, Table) = (globals.get("table")?, globals.get("string")?);
+    let raw = (
+        put,
+        globals.get::<Value>("io")?,
+        globals.get::<Value>("tostring")?,
+        table.get::<Value>("pack")?,
+        table.get::<Value>("concat")?,
+        globals.get::<Value>("type")?,
+        globals.get::<Table>("math")?.get::<Value>("type")?,
+        string.get::<Value>("format")?,
+        globals.get::<Value>("error")?,
+    );
+    let print: Value = lua.load(WRAPPERS).set_name("=__print").call(raw)?;
+    globals.set("print", print)
 }
 
 /// `pcall` and `xpcall` that give scripts a plain message, and let Ctrl-C through.
@@ -93,7 +177,7 @@ fn load_text(lua: &Lua, arguments: MultiValue) -> mlua::Result<MultiValue> {
     let chunk = arguments.next().unwrap_or(Value::Nil);
     let name = arguments.next().and_then(|v| v.as_string().map(|s| s.to_string_lossy()));
     let environment = arguments.nth(1);
-    let source = chunk_text(chunk)?;
+    let source = chunk_text(lua, chunk)?;
     let mut chunk = lua.load(source).set_mode(ChunkMode::Text);
     chunk = chunk.set_name(name.unwrap_or_else(|| "=(load)".to_owned()));
     if let Some(Value::Table(environment)) = environment {
@@ -110,7 +194,9 @@ fn load_text(lua: &Lua, arguments: MultiValue) -> mlua::Result<MultiValue> {
 }
 
 /// A string, or the pieces that a function returns until it returns nothing.
-fn chunk_text(chunk: Value) -> mlua::Result<Vec<u8>> {
+///
+/// Errors: pieces without end, beyond the memory that Lua may use.
+fn chunk_text(lua: &Lua, chunk: Value) -> mlua::Result<Vec<u8>> {
     match chunk {
         Value::String(text) => Ok(text.as_bytes().to_vec()),
         Value::Function(reader) => {
@@ -119,6 +205,7 @@ fn chunk_text(chunk: Value) -> mlua::Result<Vec<u8>> {
                 if piece.as_bytes().is_empty() {
                     break;
                 }
+                host::reserve(lua, "load", piece.as_bytes().len(), "a chunk that ends")?;
                 text.extend_from_slice(&piece.as_bytes());
             }
             Ok(text)
@@ -187,9 +274,9 @@ fn load_module(lua: &Lua, name: &str) -> mlua::Result<Value> {
     }
     let host = host::of(lua)?;
     let path = host.script_folder().join(format!("{}.lua", name.replace('.', "/")));
+    host.check_readable(name, &path)?;
     if path.exists() {
-        host.check_readable(name, &path)?;
-        host.note_input(&format!("{}.lua", name.replace('.', "/")), &path);
+        host.note_input(&format!("{}.lua", name.replace('.', "/")), &path)?;
     }
     let source = std::fs::read(&path).map_err(|e| Error::io(&path, e))?;
     let chunk = lua.load(source).set_name(format!("@{}", path.display()));

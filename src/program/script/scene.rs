@@ -25,10 +25,11 @@ use crate::program::fields::Cell;
 use crate::program::results::LIGHT_CHECK;
 use crate::program::stage::Stage;
 use crate::render;
+use crate::render::Asked;
 use crate::scene::{
     self, Background, Interreflection, Light, MaterialId, Prepared, Scene, Shadows,
 };
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Spectrum, WavelengthGrid};
 use crate::view::View;
 
 /// Handle of a scene; prepared at its first render and then kept.
@@ -147,6 +148,7 @@ impl LuaScene {
         let view: LuaView = arguments.handle("argument 1", "a view")?;
         let asked = asked("scene:render", arguments.value())?;
         let host = host::of(lua)?;
+        reserve_picture(lua, "scene:render", &view.0, &asked)?;
         let prepared = self.prepared(&host)?;
         warn_of_view(&host, &prepared, &view.0);
         let progress = host.progress(view.0.pixels());
@@ -154,7 +156,7 @@ impl LuaScene {
         warn_of_target(&host, &stats);
         let reason = render::why_black(&image, &prepared, &view.0, asked.limits())?;
         reason.into_iter().for_each(|reason| host.warn(reason));
-        image.metadata.insert("script".to_owned(), host.script.display().to_string());
+        image.metadata.insert("script".to_owned(), host.script_name());
         Ok(LuaImage::new(image, stats, &prepared))
     }
 }
@@ -181,6 +183,25 @@ impl LuaScene {
         })?;
         Ok(LIGHT_CHECK.record(&check))
     }
+}
+
+/// Room for a picture and the film that becomes it.
+pub(super) fn reserve_picture(
+    lua: &Lua,
+    object: &str,
+    view: &View,
+    asked: &Asked,
+) -> mlua::Result<()> {
+    let grid = match asked {
+        Asked::Quality(quality) => quality.grid,
+        Asked::TargetError(_) => WavelengthGrid::Step5,
+    };
+    /// Of the film's statistics.
+    const BYTES_A_PIXEL: usize = 64;
+    let bytes_a_pixel = 2 * size_of::<f32>() * grid.bands() + BYTES_A_PIXEL;
+    let bytes = view.pixels().saturating_mul(bytes_a_pixel);
+    let object = format!("{object}: a picture of {} × {} pixels", view.width, view.height);
+    host::reserve(lua, &object, bytes, "fewer pixels, or a larger wavelength_step, would fit")
 }
 
 pub(super) fn warn_of_view(host: &Host, prepared: &Prepared, view: &View) {

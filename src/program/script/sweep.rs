@@ -2,14 +2,14 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use mlua::{Lua, Table, Value};
 use serde_json::json;
 
 use super::fault;
-use super::host::{self, Host};
+use super::host::{self, Host, Input};
 use super::image::RegionOptions;
 use super::kinds::{Choice, Custom, Handle, Kind, Nested, Text, any, missing};
 use super::look::PngOptions;
@@ -65,7 +65,7 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
 fn sweep(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Cell> {
     let given: SweepOptions = arguments.record()?;
     let host = host::of(lua)?;
-    let mut views = Views::new(given.views, given.scene)?;
+    let mut views = Views::new(given.views, given.scene, given.quality)?;
     let shard = host.settings.shard;
     let ours = |index| shard.is_none_or(|shard| shard.has(index));
     let digests = RefCell::default();
@@ -80,7 +80,7 @@ fn sweep(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Cell> {
         },
         regions: given.regions,
         shard,
-        script: script_name(&host),
+        script: host.script_name(),
         source: &|| source(&host, &mut digests.borrow_mut()),
         progress: &host.progress(views.pixels_where(ours)),
         warn: &|warning| host.warn(warning),
@@ -96,10 +96,6 @@ fn sweep(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Cell> {
     Ok(Cell::Record(report))
 }
 
-fn script_name(host: &Host) -> String {
-    host.script.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
 /// What a function does is in the script and in what it reads.
 fn read_by_look(look: &Look, host: &Host, digests: &mut Digests) -> crate::Result<String> {
     match look.tone {
@@ -109,17 +105,20 @@ fn read_by_look(look: &Look, host: &Host, digests: &mut Digests) -> crate::Resul
 }
 
 /// What the script is and has read so far.
+///
+/// Errors: a file that has changed since it was read.
 pub(super) fn source(host: &Host, digests: &mut Digests) -> crate::Result<Source> {
     let seeds = host.seeds();
+    let script = host.script_input().map(|script| digests.of(script)).transpose()?;
     Ok(Source {
         program: sweep::program(),
         executable: sweep::executable().cloned(),
-        script: Some(digests.of(&script_name(host), &host.script)?),
+        script,
         arguments: host.settings.arguments.clone(),
         inputs: host
             .inputs()
             .iter()
-            .map(|input| digests.of(&input.name, &input.path))
+            .map(|input| digests.of(input))
             .collect::<crate::Result<_>>()?,
         seeds: seeds
             .iter()
@@ -182,10 +181,13 @@ pub(super) fn shot(
 pub(super) struct Digests(BTreeMap<PathBuf, Digest>);
 
 impl Digests {
-    fn of(&mut self, name: &str, path: &Path) -> crate::Result<FileDigest> {
-        if !self.0.contains_key(path) {
-            self.0.insert(path.to_owned(), Digest::of_file(path)?);
+    /// Checks on both sides of reading, so that the digest is of what the script read.
+    fn of(&mut self, input: &Input) -> crate::Result<FileDigest> {
+        input.check()?;
+        if !self.0.contains_key(&input.path) {
+            self.0.insert(input.path.clone(), Digest::of_file(&input.path)?);
+            input.check()?;
         }
-        Ok(FileDigest { path: name.to_owned(), digest: self.0[path].clone() })
+        Ok(FileDigest { path: input.name.clone(), digest: self.0[&input.path].clone() })
     }
 }

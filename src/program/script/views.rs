@@ -4,14 +4,16 @@ use mlua::thread::ThreadStatus;
 use mlua::{Lua, MultiValue, Thread, Value};
 
 use super::options;
-use super::scene::LuaScene;
+use super::scene::{LuaScene, reserve_picture};
 use super::sweep::shot;
 use super::view::LuaView;
 use crate::program::sweep::Shot;
+use crate::render::Asked;
 
 /// Where the views come from.
 pub(super) struct Views {
     scene: Option<LuaScene>,
+    asked: Asked,
     from: From,
 }
 
@@ -24,13 +26,13 @@ enum From {
 }
 
 impl Views {
-    pub(super) fn new(value: Value, scene: Option<LuaScene>) -> mlua::Result<Self> {
+    pub(super) fn new(value: Value, scene: Option<LuaScene>, asked: Asked) -> mlua::Result<Self> {
         const EXPECTED: &str = "a list of views, or a function that returns them one by one";
         let from = match value {
             Value::Function(function) => From::Function(function),
             value => From::List(options::list("sweep", "\"views\"", &value, EXPECTED)?),
         };
-        Ok(Self { scene, from })
+        Ok(Self { scene, asked, from })
     }
 
     /// How many there are, if that is known.
@@ -83,6 +85,8 @@ impl Views {
         if view.is_nil() {
             return Ok(None);
         }
-        shot(index, &view, &scene, self.scene.as_ref()).map(Some)
+        let shot = shot(index, &view, &scene, self.scene.as_ref())?;
+        reserve_picture(lua, &format!("sweep: view {index}"), &shot.view, &self.asked)?;
+        Ok(Some(shot))
     }
 }

@@ -43,6 +43,11 @@ impl Digest {
         good.then(|| Self(text.to_owned()))
     }
 
+    pub(super) fn to_bytes(&self) -> Vec<u8> {
+        let digit = |byte: u8| (byte as char).to_digit(16).unwrap_or_default() as u8;
+        self.0.as_bytes().chunks(2).map(|pair| 16 * digit(pair[0]) + digit(pair[1])).collect()
+    }
+
     /// 64 hexadecimal digits.
     pub fn as_str(&self) -> &str {
         &self.0

@@ -1,10 +1,11 @@
 //! The folder of a sweep: what is there already, what is added, what is left over.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File, TryLockError};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use super::manifest::{Entry, FileDigest, Manifest, Source};
+use super::manifest::{Entry, FileDigest, Manifest, Source, log_path};
 use super::pictures::Pictures;
 use super::shard::Shard;
 use super::{page, timings};
@@ -24,6 +25,8 @@ pub struct Folder {
     earlier: BTreeMap<String, Entry>,
     manifest: Manifest,
     seconds: BTreeMap<String, f64>,
+    /// Open once a view has been added.
+    log: Option<File>,
     /// Files that processes had begun when this one came; some may still be at work.
     unfinished: Vec<String>,
     /// Held as long as the folder is in use.
@@ -58,7 +61,17 @@ impl Folder {
         let manifest = Manifest { source, ..Manifest::default() };
         let seconds = timings::read(path, shard);
         let path = path.to_owned();
-        Ok(Self { path, shard, known, earlier, manifest, seconds, unfinished, _lock: lock })
+        Ok(Self {
+            path,
+            shard,
+            known,
+            earlier,
+            manifest,
+            seconds,
+            log: None,
+            unfinished,
+            _lock: lock,
+        })
     }
 
     pub fn path(&self) -> &Path {
@@ -109,16 +122,36 @@ impl Folder {
         self.manifest.views.push(entry);
     }
 
-    /// A view whose image has been written.
+    /// A view whose image has been written: a line in the log, whatever is there already.
     ///
     /// Errors: [`Error::Io`].
     pub fn add(&mut self, entry: Entry, seconds: f64) -> Result<()> {
         self.seconds.insert(entry.name.clone(), seconds);
+        let log = log_path(&self.manifest_path());
+        let mut file = match self.log.take() {
+            Some(file) => file,
+            None => self.begin_log(&log)?,
+        };
+        let written = file.write_all(entry.to_line().as_bytes()).and_then(|()| file.sync_data());
+        written.map_err(|e| Error::io(&log, e))?;
+        self.log = Some(file);
         self.put(entry);
+        Ok(())
+    }
+
+    /// The manifest so far, and a new log of what comes.
+    fn begin_log(&self, log: &Path) -> Result<File> {
         let mut so_far = self.manifest.clone();
         so_far.views.extend(self.earlier.values().cloned());
         so_far.views.sort_by_key(|entry| entry.index);
-        so_far.write(&self.path.join(manifest_name(self.shard)))
+        so_far.write(&self.manifest_path())?;
+        remove(log)?;
+        let file = File::options().append(true).create_new(true).open(log);
+        file.map_err(|e| Error::io(log, e))
+    }
+
+    fn manifest_path(&self) -> PathBuf {
+        self.path.join(manifest_name(self.shard))
     }
 
     /// All views are there: pictures, contact sheet, page, and the final manifest. A shard leaves
@@ -134,7 +167,8 @@ impl Folder {
             gamut = pictures.write_all(&self.path, &mut self.manifest.views)?;
             self.manifest.pages = page::write(&self.path, &self.manifest)?;
         }
-        self.manifest.write(&self.path.join(manifest_name(self.shard)))?;
+        self.manifest.write(&self.manifest_path())?;
+        remove(&log_path(&self.manifest_path()))?;
         if self.shard.is_none() {
             self.remove_left_over()?;
         }
@@ -142,20 +176,29 @@ impl Folder {
     }
 
     fn timings_of_views(&self) -> BTreeMap<String, f64> {
-        let ours = |name: &str| self.manifest.views.iter().any(|entry| entry.name == name);
-        self.seconds.iter().filter(|(name, _)| ours(name)).map(|(n, s)| (n.clone(), *s)).collect()
+        let views = self.manifest.views.iter();
+        let seconds = |entry: &Entry| Some((entry.name.clone(), *self.seconds.get(&entry.name)?));
+        views.filter_map(seconds).collect()
     }
 
-    /// Removes files that earlier manifests name and this one does not, and shards' manifests.
+    /// Removes files that earlier manifests name and this one does not, if their views made them,
+    /// and shards' manifests.
     fn remove_left_over(&self) -> Result<()> {
-        let current: Vec<&FileDigest> = self.manifest.views.iter().flat_map(Entry::files).collect();
-        for output in self.known.values().flat_map(Entry::files) {
-            if !current.iter().any(|file| file.path == output.path) {
-                remove(&self.path.join(&output.path))?;
-            }
+        let outputs = self.manifest.views.iter().flat_map(Entry::files);
+        let current: BTreeSet<&str> = outputs.map(|file| file.path.as_str()).collect();
+        for entry in self.known.values() {
+            let is_left = |file: &&FileDigest| {
+                !current.contains(file.path.as_str())
+                    && entry.is_named_for(&file.path)
+                    && file.is_in(&self.path)
+            };
+            let left = entry.files().filter(is_left);
+            left.map(|file| self.path.join(&file.path)).try_for_each(|path| remove(&path))?;
         }
         for name in manifest_names(&self.path)?.iter().filter(|name| *name != MANIFEST) {
-            remove(&self.path.join(name))?;
+            let manifest = self.path.join(name);
+            remove(&manifest)?;
+            remove(&log_path(&manifest))?;
         }
         timings::remove_of_shards(&self.path)
     }

@@ -1,6 +1,7 @@
 //! `manifest.json`: what a sweep was made from and what came out, by SHA-256.
 
-use std::path::{Component, Path};
+use std::collections::BTreeMap;
+use std::path::{Component, Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
@@ -9,7 +10,7 @@ use crate::error::{Error, Place, Result};
 use crate::output;
 
 /// The only format so far; a reader refuses others.
-const FORMAT: &str = "lampyris sweep 1";
+const FORMAT: &str = "lampyris sweep 2";
 
 /// Everything about a sweep that does not change from run to run.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -154,6 +155,25 @@ impl Entry {
         })
     }
 
+    /// As a line of a log, after a digest of it.
+    pub(super) fn to_line(&self) -> String {
+        let text = self.to_json().to_string();
+        format!("{} {text}\n", Digest::of_bytes(text.as_bytes()))
+    }
+
+    /// `None` for a line that is torn or changed.
+    fn from_line(line: &str) -> Option<Self> {
+        let (digest, text) = line.split_once(' ')?;
+        let is_whole = Digest::of_bytes(text.as_bytes()).as_str() == digest;
+        Self::from_json(&serde_json::from_str(text).ok().filter(|_| is_whole)?)
+    }
+
+    /// Whether `file` has a name that the view's own files have.
+    pub(super) fn is_named_for(&self, file: &str) -> bool {
+        let rest = file.strip_prefix(&self.name).unwrap_or_default();
+        rest.starts_with(['.', '_']) && (rest.ends_with(".exr") || rest.ends_with(".png"))
+    }
+
     /// Whether the image lies in `folder` as it was written.
     pub fn is_whole(&self, folder: &Path) -> bool {
         self.outputs.iter().all(|output| output.is_in(folder))
@@ -174,6 +194,18 @@ impl Source {
     }
 }
 
+/// Views that are added while a sweep runs, a line each: a manifest of thousands is not written
+/// anew for each of them.
+pub(super) fn log_path(manifest: &Path) -> PathBuf {
+    manifest.with_extension("log")
+}
+
+/// The text of a manifest, which holds a digest of all the rest of it.
+fn sealed(mut value: Value) -> String {
+    value["sha256"] = json!(Digest::of_bytes(value.to_string().as_bytes()).as_str());
+    format!("{value:#}\n")
+}
+
 impl Manifest {
     /// Keys are sorted, so that equal manifests are equal texts.
     pub fn to_text(&self) -> String {
@@ -191,7 +223,7 @@ impl Manifest {
             "pages": to_list(&self.pages, FileDigest::to_json),
             "complete": self.is_complete,
         });
-        format!("{value:#}\n")
+        sealed(value)
     }
 
     fn from_json(value: &Value) -> Option<Self> {
@@ -204,7 +236,10 @@ impl Manifest {
         })
     }
 
-    /// Errors: [`Error::Io`]; [`Error::BadFile`] if it is not JSON or not such a manifest.
+    /// With the views that have been added to an unfinished one since it was written.
+    ///
+    /// Errors: [`Error::Io`]; [`Error::BadFile`] if it is not JSON, not such a manifest, or not as
+    /// it was written.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
         let value: Value = serde_json::from_str(&text).map_err(|e| {
@@ -214,7 +249,23 @@ impl Manifest {
         if value.get("format").and_then(Value::as_str) != Some(FORMAT) {
             return Err(bad(&format!("not a manifest: expected \"format\": \"{FORMAT}\"")));
         }
-        Self::from_json(&value).ok_or_else(|| bad("not a manifest: a field is missing or wrong"))
+        let manifest = Self::from_json(&value);
+        let manifest =
+            manifest.ok_or_else(|| bad("not a manifest: a field is missing or wrong"))?;
+        if manifest.to_text() != text {
+            return Err(bad("is not as it was written: remove it, and all views are made again"));
+        }
+        let log = std::fs::read_to_string(log_path(path)).unwrap_or_default();
+        Ok(if manifest.is_complete { manifest } else { manifest.with_log(&log) })
+    }
+
+    fn with_log(mut self, log: &str) -> Self {
+        let of_name = |entry: Entry| (entry.name.clone(), entry);
+        let mut views: BTreeMap<_, _> = self.views.drain(..).map(of_name).collect();
+        views.extend(log.lines().filter_map(Entry::from_line).map(of_name));
+        self.views.extend(views.into_values());
+        self.views.sort_by_key(|entry| entry.index);
+        self
     }
 
     /// Whole or not at all. Errors: [`Error::Io`].
@@ -268,6 +319,36 @@ mod tests {
     }
 
     #[test]
+    fn any_change_of_a_manifest_is_found() {
+        let scratch = Scratch::new();
+        let path = scratch.path("manifest.json");
+        let text = manifest("view_0001.exr").to_text();
+        for at in 0..text.len() {
+            let mut changed = text.clone().into_bytes();
+            changed[at] ^= 1;
+            std::fs::write(&path, changed).unwrap();
+            assert!(Manifest::read(&path).is_err(), "byte {at}");
+        }
+    }
+
+    #[test]
+    fn an_unfinished_manifest_has_the_views_of_its_log() {
+        let scratch = Scratch::new();
+        let path = scratch.path("manifest.json");
+        let unfinished = Manifest { is_complete: false, ..manifest("view_0001.exr") };
+        unfinished.write(&path).unwrap();
+        let second = Entry { index: 2, name: "b".to_owned(), ..unfinished.views[0].clone() };
+        let line = second.to_line();
+        let torn = &line[..line.len() / 2];
+        let changed = line.replace("\"b\"", "\"c\"");
+        std::fs::write(log_path(&path), format!("{line}{changed}{torn}")).unwrap();
+        let views = Manifest::read(&path).unwrap().views;
+        assert_eq!(views, [unfinished.views[0].clone(), second]);
+        manifest("view_0001.exr").write(&path).unwrap();
+        assert_eq!(Manifest::read(&path).unwrap().views.len(), 1);
+    }
+
+    #[test]
     fn refuses_other_files_and_outputs_elsewhere() {
         let scratch = Scratch::new();
         let path = scratch.path("manifest.json");
@@ -275,7 +356,7 @@ mod tests {
         std::fs::write(&path, "{\n\"format\": 3\n").unwrap();
         assert!(message().contains("manifest.json:3: not JSON"), "{}", message());
         std::fs::write(&path, "{}").unwrap();
-        assert!(message().contains("expected \"format\": \"lampyris sweep 1\""));
+        assert!(message().contains("expected \"format\": \"lampyris sweep 2\""));
         for outside in ["../view.exr", "/etc/passwd", "a/b.exr", "..", ""] {
             manifest(outside).write(&path).unwrap();
             assert!(message().ends_with("a field is missing or wrong"), "{outside}");

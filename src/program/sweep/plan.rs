@@ -10,6 +10,7 @@ use serde_json::{Map, Value, json};
 use super::digest::{Digest, Hasher};
 use super::folder::Folder;
 use super::manifest::{Entry, FileDigest, Source};
+use super::page::luminance_name;
 use super::pictures::{Pictures, rows};
 use super::shard::Shard;
 use super::{executable, program};
@@ -80,10 +81,17 @@ impl Plan<'_> {
         folder.set_pictures(self.pictures.record());
         let mut done = Done::default();
         let mut names = BTreeSet::new();
+        let mut files = BTreeSet::new();
         for (index, shot) in (1..).zip(shots) {
             let shot = shot?;
             if !names.insert(shot.name.clone()) {
                 let problem = format!("two views are named \"{}\"", shot.name);
+                return Err(Error::inconsistent("sweep: views", problem).into());
+            }
+            if let Some(file) =
+                outputs_of(&shot.name).into_iter().find(|f| !files.insert(f.clone()))
+            {
+                let problem = format!("\"{}\" and another view both write {file}", shot.name);
                 return Err(Error::inconsistent("sweep: views", problem).into());
             }
             if folder.is_ours(index) {
@@ -178,6 +186,11 @@ impl Plan<'_> {
             ("photometry", json!(format!("{:?}", image.photometry).to_lowercase())),
         ])
     }
+}
+
+/// The files that a view of this name has.
+fn outputs_of(name: &str) -> [String; 3] {
+    [format!("{name}.exr"), format!("{name}.png"), luminance_name(name)]
 }
 
 /// Names of views become names of files.

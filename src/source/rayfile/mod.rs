@@ -21,7 +21,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-pub use self::save::{SaveFormat, save};
+pub use self::save::{SaveFormat, writer};
 
 use self::input::Input;
 use self::spectral::{Table, Tally, luminous_efficacy};

@@ -1,8 +1,8 @@
 //! Writing ray sets as IES TM-25 and CSV, so that reading them gives the same bits.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::tm25::{self, offset};
 use super::{FLUX_TOLERANCE, csv};
@@ -31,44 +31,27 @@ impl SaveFormat {
     }
 }
 
-/// Writes rays where they are in the world, in mm and lm.
+/// What writes rays where they are in the world, in mm and lm, to an open file.
 ///
-/// The file appears under its name only when it is complete. TM-25 takes the spectrum along as its
-/// table (f32); CSV has no place for it.
+/// TM-25 takes the spectrum along as its table (f32); CSV has no place for it. `path` is for
+/// messages, and `output::save_rays` writes the file as a whole.
 ///
-/// Errors: [`Error::Io`], a set without light, and a start point that f32 cannot hold.
-pub fn save(path: &Path, rays: &RaySet, spectrum: &Spectrum, format: SaveFormat) -> Result<()> {
-    let export = Export::new(path, rays)?;
-    write_whole(path, |out| match format {
-        SaveFormat::Csv => export.write_csv(out),
-        SaveFormat::Tm25 => export.write_tm25(out, spectrum),
-    })
-    .map_err(|e| Error::io(path, e))
-}
-
-/// Writes beside `path` and renames at the end.
-fn write_whole(
+/// Errors: a set without light, and a start point that f32 cannot hold.
+pub fn writer<'a>(
     path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> io::Result<()> {
-    let part = part_path(path);
-    let written = File::create(&part).and_then(|file| {
+    rays: &'a RaySet,
+    spectrum: &'a Spectrum,
+    format: SaveFormat,
+) -> Result<impl FnOnce(&mut File) -> io::Result<()> + 'a> {
+    let export = Export::new(path, rays)?;
+    Ok(move |file: &mut File| {
         let mut out = BufWriter::with_capacity(1 << 20, file);
-        write(&mut out)?;
-        out.into_inner()?.sync_all()
-    });
-    let result = written.and_then(|()| fs::rename(&part, path));
-    if result.is_err() {
-        // The first error is the one to report.
-        let _ = fs::remove_file(&part);
-    }
-    result
-}
-
-fn part_path(path: &Path) -> PathBuf {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".part");
-    path.with_file_name(name)
+        match format {
+            SaveFormat::Csv => export.write_csv(&mut out)?,
+            SaveFormat::Tm25 => export.write_tm25(&mut out, spectrum)?,
+        }
+        out.flush()
+    })
 }
 
 /// Samples with their flux in lm, in world coordinates.

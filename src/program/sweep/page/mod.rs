@@ -8,6 +8,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::contact_sheet;
+use super::digest::Digest;
 use super::luminance::LuminanceScale;
 use super::manifest::{Entry, FileDigest, Manifest};
 use crate::error::{Error, Result};
@@ -15,6 +16,10 @@ use crate::output;
 use crate::program::figure::scale_colors;
 
 const NAME: &str = "index.html";
+const SCRIPT: &str = include_str!("page.js");
+
+/// Beyond, the page names the pictures' files instead of holding them.
+const MOST_HELD: usize = 500;
 
 /// Writes contact sheet and page; the same manifest and files give the same bytes.
 ///
@@ -34,25 +39,29 @@ fn html(folder: &Path, manifest: &Manifest) -> Result<String> {
     let title = format!("{} · {} views", escape(script), manifest.views.len());
     let mut links = String::new();
     let mut sections = String::new();
+    let is_held = manifest.views.len() <= MOST_HELD;
     for entry in &manifest.views {
-        let picture = data_uri(folder, &format!("{}.png", entry.name))?;
-        let luminance = data_uri(folder, &luminance_name(&entry.name))?;
+        let picture = source(folder, &format!("{}.png", entry.name), is_held)?;
+        let luminance = source(folder, &luminance_name(&entry.name), is_held)?;
         links += &link(entry);
         sections += &section(entry, &picture, &luminance)?;
     }
     let last = manifest.views.len().saturating_sub(1);
+    // Nothing but this script runs, whatever a manifest may say.
+    let script = format!("\n{}{SCRIPT}", color_scale());
+    let script_digest = output::base64(&Digest::of_bytes(script.as_bytes()).to_bytes());
     Ok(format!(
         "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'>\
-         <meta name='viewport' content='width=device-width'><title>{title}</title>\n\
+         <meta http-equiv='Content-Security-Policy' content=\"default-src 'none'; \
+         img-src data: 'self' file:; style-src 'unsafe-inline'; \
+         script-src 'self' file: 'sha256-{script_digest}'\"><meta name='viewport' content='width=device-width'><title>{title}</title>\n\
          <style>\n{}</style></head><body>\n<h1>{title}</h1>\n{}\
          <nav><input type='range' min='0' max='{last}' value='0' aria-label='view'>\
          <output></output></nav>\n<div class='sheet'>\n{links}</div>\n{sections}{}\
-         <script src='timings.js'></script>\n<script>\n{}{}</script>\n</body></html>\n",
+         <script src='timings.js'></script>\n<script>{script}</script>\n</body></html>\n",
         include_str!("style.css"),
         provenance(manifest),
         over_angles(&manifest.views)?,
-        color_scale(),
-        include_str!("page.js"),
     ))
 }
 
@@ -61,7 +70,11 @@ pub fn luminance_name(view: &str) -> String {
     format!("{view}_luminance.png")
 }
 
-fn data_uri(folder: &Path, name: &str) -> Result<String> {
+/// Where a picture comes from: the page itself, or the file beside it.
+fn source(folder: &Path, name: &str, is_held: bool) -> Result<String> {
+    if !is_held {
+        return Ok(escape(name));
+    }
     let path = folder.join(name);
     let bytes = std::fs::read(&path).map_err(|e| Error::io(&path, e))?;
     Ok(format!("data:image/png;base64,{}", output::base64(&bytes)))
@@ -175,7 +188,7 @@ pub(super) fn title(entry: &Entry) -> String {
 /// The page's script puts the picture in, which is in the page once.
 fn link(entry: &Entry) -> String {
     let (name, title) = (escape(&entry.name), escape(&title(entry)));
-    format!("<a href='#{name}'><img alt=''>{title}</a>\n")
+    format!("<a href='#{name}'><img alt='' loading='lazy'>{title}</a>\n")
 }
 
 fn section(entry: &Entry, picture: &str, luminance: &str) -> Result<String> {
@@ -188,11 +201,11 @@ fn section(entry: &Entry, picture: &str, luminance: &str) -> Result<String> {
     let [low, high] = luminance_scale(&details).range;
     let mut html = format!(
         "<section id='{name}' data-title='{title}'><h2>{title}</h2>\n<div class='pictures'>\
-         <figure><div class='picture'><img alt='{title}' src='{picture}'>{}</div>\
+         <figure><div class='picture'><img alt='{title}' loading='lazy' src='{picture}'>{}</div>\
          <figcaption>as the display shows it, exposure {:.4e} \
          (cd/m² of the display for 1{})</figcaption></figure>\
          <figure><div class='picture luminance' data-low='{low}' data-high='{high}' \
-         data-unit='{unit}'><img alt='luminance' src='{luminance}'></div>{}\
+         data-unit='{unit}'><img alt='luminance' loading='lazy' src='{luminance}'></div>{}\
          <p class='reading'>luminance under the pointer: –</p></figure>\
          </div>\n",
         outlines(&regions, size),
@@ -232,7 +245,7 @@ fn readings(regions: &[(&String, &Value)], unit: &str) -> String {
         let part = |c: usize| {
             xy.and_then(|xy| xy.get(c)?.as_f64()).map_or("–".into(), |v| format!("{v:.4}"))
         };
-        let color = region.get("color").and_then(Value::as_str).unwrap_or("none");
+        let color = escape(region.get("color").and_then(Value::as_str).unwrap_or("none"));
         let _ = write!(
             html,
             "<tr><td><span class='key' style='background:{}'></span>{}</td><td>{:.4e}</td>\

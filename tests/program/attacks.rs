@@ -1,0 +1,264 @@
+//! What was tried from outside, each as it was found.
+
+use std::process::Stdio;
+
+use crate::bench::{Bench, text};
+
+/// Before a script's own lines.
+const BEFORE: &str = r#"
+local L = require "lampyris"
+local scene = L.scene { objects = {} }
+local view = L.view { width = 2, height = 2 }
+"#;
+
+fn message_of(bench: &Bench, script: &str, more: &[&str]) -> String {
+    bench.write("script.lua", &format!("{BEFORE}{script}\n"));
+    bench.fail(&[&["run", "script.lua"], more].concat())
+}
+
+#[test]
+fn finalizers_are_never_run() {
+    let bench = Bench::new();
+    bench.write(
+        "script.lua",
+        "local L = require 'lampyris'
+         local meta = { __gc = function() print(tostring(L.spectrum.constant(1))) end }
+         G = setmetatable({}, meta)
+         assert(meta.__gc and getmetatable(G) == meta)
+         for _ = 1, 10 do setmetatable({}, meta) end
+         collectgarbage()
+         assert(not pcall(setmetatable, L, { __gc = print }))",
+    );
+    let output = bench.run(&["run", "script.lua"]);
+    assert_eq!((output.status.code(), text(&output.stdout)), (Some(0), String::new()));
+    let warning = "warning: setmetatable: finalizers (__gc) are never run; <close> is (12 times)\n";
+    assert_eq!(text(&output.stderr), warning);
+}
+
+#[test]
+fn tables_in_themselves_end_in_a_message() {
+    let bench = Bench::new();
+    for key in ["exposure", "tone", "glare", "display", "look"] {
+        let script = format!(
+            "local t = {{}} t.{key} = t
+             L.sweep {{ scene = scene, views = {{ view }}, output = 's', png = {{ {key} = t }} }}"
+        );
+        assert!(message_of(&bench, &script, &[]).starts_with("script.lua:6: sweep: png"), "{key}");
+    }
+    let deep = "local t = {} for _ = 1, 1e6 do t = { t } end image = scene:render(view)
+                image:save('x.png', { glare = t })";
+    assert!(message_of(&bench, deep, &[]).contains("unknown key"));
+}
+
+#[test]
+fn what_does_not_fit_is_told_before_it_is_made() {
+    let bench = Bench::new();
+    let large = "scene:render(L.view { width = 16384, height = 16384 })";
+    let message = message_of(&bench, large, &["--max-memory", "500M"]);
+    let start =
+        "script.lua:5: scene:render: a picture of 16384 × 16384 pixels: needs 191.1 GB, but ";
+    let end = " of --max-memory 0.5 GB are in use: fewer pixels, or a larger wavelength_step, would fit\n";
+    assert!(message.starts_with(start) && message.ends_with(end), "{message}");
+    let surface = "L.mesh.surface { nu = 1e5, nv = 1e5, point = function() return 0, 0, 0 end }";
+    assert!(
+        message_of(&bench, surface, &["--max-memory", "1G"]).contains("mesh.surface: needs 1280")
+    );
+    let endless = "load(function() return string.rep('x', 1e6) end)";
+    assert!(message_of(&bench, endless, &["--max-memory", "100M"]).contains("memory"));
+    bench.write("script.lua", &format!("{BEFORE}assert(not pcall(function() {large} end))"));
+    bench.succeed(&["run", "script.lua", "--max-memory", "500M"]);
+}
+
+#[test]
+fn loops_that_drop_pictures_stay_flat() {
+    let bench = Bench::new();
+    let script = "local peak
+        for _ = 1, 24 do
+            local image = scene:render(L.view { width = 320, height = 240 }, { samples = 1 })
+            peak = image.stats.peak_memory_mb
+        end
+        assert(peak < 300, peak)"; // 25 MB a picture, and its film
+    bench.write("script.lua", &format!("{BEFORE}{script}"));
+    bench.succeed(&["run", "script.lua", "--quiet"]);
+}
+
+const SAVE_RAYS: &str =
+    "local lamp = L.cylinder { radius = 1, length = 1, flux = 1, samples = 2000,
+    spectrum = L.spectrum.constant(1) }
+    for _ = 1, 20 do lamp:save('lamp.csv') end";
+
+#[cfg(unix)]
+#[test]
+fn ray_files_follow_no_link_and_share_no_name() {
+    let bench = Bench::new();
+    bench.write("secret", "untouched");
+    bench.write("out/other", "");
+    let link = bench.path("out/lamp.csv.part");
+    std::os::unix::fs::symlink(bench.path("secret"), link).expect("a link");
+    bench.write("script.lua", &format!("{BEFORE}{SAVE_RAYS}"));
+    let start = || {
+        let mut command = bench.command(&["run", "script.lua", "--threads=1"]);
+        command.stderr(Stdio::piped()).spawn().expect("a start")
+    };
+    let savers: Vec<_> = (0..4).map(|_| start()).collect();
+    for saver in savers {
+        let output = saver.wait_with_output().expect("an end");
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    }
+    assert_eq!(std::fs::read_to_string(bench.path("secret")).expect("a file"), "untouched");
+    let info = bench.succeed(&["info", "out/lamp.csv"]);
+    assert!(info.starts_with("out/lamp.csv: ray file (CSV), 2000 rays\n"), "{info}");
+    assert_eq!(bench.files("out").len(), 3);
+}
+
+/// A folder becomes a link to another while files are saved in it.
+#[cfg(target_os = "linux")]
+#[test]
+fn no_swap_of_folders_leads_writes_outside() {
+    let bench = Bench::new();
+    for folder in ["secret", "out/d"] {
+        std::fs::create_dir_all(bench.path(folder)).expect("a folder");
+    }
+    let script = "local saved = 0
+        for _ = 1, 500 do if pcall(L.write, 'd/t.txt', 'x') then saved = saved + 1 end end
+        assert(saved > 0)";
+    bench.write("script.lua", &format!("{BEFORE}{script}"));
+    let mut child = bench.command(&["run", "script.lua"]).spawn().expect("a start");
+    let (folder, aside) = (bench.path("out/d"), bench.path("out/aside"));
+    while child.try_wait().expect("a status").is_none() {
+        // The script may make the folder anew at any moment, so that any of these may fail.
+        let _ = std::fs::rename(&folder, &aside);
+        let _ = std::os::unix::fs::symlink(bench.path("secret"), &folder);
+        let _ = std::fs::remove_file(&folder);
+        let _ = std::fs::remove_dir_all(&folder);
+        let _ = std::fs::rename(&aside, &folder);
+    }
+    assert!(child.wait().expect("an end").success());
+    assert_eq!(bench.files("secret").len(), 0);
+}
+
+#[test]
+fn inputs_that_change_are_noticed() {
+    let bench = Bench::new();
+    let script = "L.write('t.csv', '380,1\\n780,1\\n')
+        local t = L.spectrum.load 't.csv'
+        local start = os.clock() while os.clock() < start + 0.05 do end
+        L.write('t.csv', '380,2\\n780,2\\n')
+        L.sweep { scene = scene, views = { view }, output = 's' }";
+    let message = message_of(&bench, script, &["--out", "."]);
+    let problem = "input: t.csv has changed since it was read: run the script again\n";
+    assert!(message.ends_with(problem), "{message}");
+}
+
+#[test]
+fn views_do_not_write_each_others_files() {
+    let bench = Bench::new();
+    let script = "L.sweep { scene = scene, output = 's', views = {
+        { view = view, name = 'a' }, { view = view, name = 'a_luminance' } } }";
+    let message = message_of(&bench, script, &[]);
+    let problem = "sweep: views: \"a_luminance\" and another view both write a_luminance.png\n";
+    assert!(message.ends_with(problem), "{message}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_device_is_an_error_and_a_closed_pipe_is_none() {
+    let bench = Bench::new();
+    bench.write("script.lua", "print 'lost'");
+    bench.write("t.csv", "380,1\n780,1\n");
+    for arguments in [&["run", "script.lua"][..], &["info", "t.csv"], &["options", "view"]] {
+        let full = std::fs::File::options().write(true).open("/dev/full").expect("a device");
+        let output = bench.command(arguments).stdout(full).output().expect("a start");
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        assert!(text(&output.stderr).contains("standard output: No space left"), "{arguments:?}");
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        drop(reader);
+        let output = bench.command(arguments).stdout(writer).output().expect("a start");
+        assert!(!text(&output.stderr).contains("panic"), "{arguments:?}");
+        assert!(matches!(output.status.code(), Some(0 | 1)), "{arguments:?}");
+    }
+}
+
+#[test]
+fn the_same_script_gives_the_same_bytes_from_everywhere() {
+    let bench = Bench::new();
+    let script = "scene:render(view):save 'v.exr' scene:render(view):save 'v.png'";
+    bench.write("a/b/script.lua", &format!("{BEFORE}{script}"));
+    let whole = bench.path("a/b/script.lua").display().to_string();
+    let pictures = |folder: &str, script: &str| {
+        std::fs::create_dir_all(bench.path(folder)).expect("a folder");
+        let mut command = bench.command(&["run", script, "--quiet"]);
+        let output = command.current_dir(bench.path(folder)).output().expect("a start");
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        bench.files(&format!("{folder}/out"))
+    };
+    let first = pictures("a/b", "script.lua");
+    assert_eq!(first, pictures("a", "b/script.lua"));
+    assert_eq!(first, pictures("c", &whole));
+}
+
+#[cfg(unix)]
+#[test]
+fn named_pipes_are_not_waited_for() {
+    let bench = Bench::new();
+    let made = std::process::Command::new("mkfifo").arg(bench.path("pipe.csv")).status();
+    assert!(made.expect("mkfifo").success());
+    assert_eq!(bench.fail(&["info", "pipe.csv"]), "pipe.csv: is no regular file\n");
+    let message = message_of(&bench, "L.spectrum.load 'pipe.csv'", &[]);
+    assert_eq!(message, "script.lua:5: pipe.csv: is no regular file\n");
+}
+
+#[test]
+fn nobody_learns_what_is_outside() {
+    let bench = Bench::new();
+    bench.write("outside/there.csv", "380,1\n780,1\n");
+    bench.write("inside/script.lua", "");
+    let message = |path: &str| {
+        bench.write("inside/script.lua", &format!("require('lampyris').read '{path}'"));
+        let mut command = bench.command(&["run", "script.lua"]);
+        let output = command.current_dir(bench.path("inside")).output().expect("a start");
+        text(&output.stderr).replace(path, "PATH")
+    };
+    assert_eq!(message("../outside/there.csv"), message("../outside/nowhere.csv"));
+    assert_eq!(message("/etc/hostname"), message("/etc/no-such-file"));
+    assert!(message("../outside/no/folder.csv").contains("allowed: files in the script's folder"));
+    assert!(message("nowhere.csv").contains("No such file"));
+}
+
+#[test]
+fn printing_is_as_lua_prints() {
+    let bench = Bench::new();
+    bench.write("script.lua", "print(1, 2.0, nil, 'x') io.write('a', 1, 2.5):write 'b\\n' print()");
+    assert_eq!(bench.succeed(&["run", "script.lua"]), "1\t2.0\tnil\tx\na12.5b\n\n");
+    assert!(bench.fail_script("io.write({})").contains("string expected, got table"));
+}
+
+#[test]
+fn merging_again_is_no_fault() {
+    let bench = Bench::new();
+    let script = "L.sweep { scene = scene, views = { view, view }, output = 's' }";
+    bench.write("script.lua", &format!("{BEFORE}{script}"));
+    for shard in ["1/2", "2/2"] {
+        bench.succeed(&["run", "script.lua", "--shard", shard, "--quiet"]);
+    }
+    assert_eq!(bench.succeed(&["merge", "out/s"]), "out/s: 2 shards, 2 views\n");
+    let merged = bench.files("out/s");
+    assert_eq!(bench.succeed(&["merge", "out/s"]), "out/s: 0 shards, 2 views\n");
+    assert_eq!(bench.files("out/s"), merged);
+}
+
+/// Every call returns or raises an error that `pcall` catches.
+#[test]
+fn random_calls_break_nothing() {
+    let bench = Bench::new();
+    bench.write("random.lua", include_str!("random.lua"));
+    let options = bench.succeed(&["options"]);
+    let rows = options.lines().filter_map(|line| line.strip_prefix("  "));
+    let keys: Vec<&str> = rows.filter_map(|row| row.split([' ', '?']).next()).collect();
+    for seed in ["1", "2", "3"] {
+        let arguments = ["run", "random.lua", "--quiet", "--max-memory", "1G", "--"];
+        let output = bench.run(&[&arguments[..], &[seed, &keys.join(" "), "1500"]].concat());
+        let message = text(&output.stderr);
+        assert!(output.status.success() && !message.contains("a bug"), "{seed}: {message}");
+    }
+}
