@@ -88,13 +88,13 @@ fn pq(
 
 options! {
     struct DisplayNewOptions {
-        /// cd/m²
-        matrix: Vec<[f64; 3]> = MATRIX,
         /// k_g of red, green, blue
         gain: [f64; 3] = triple(Range::above_zero("")).or([1.0; 3]),
         /// k_o
         offset: [f64; 3] = triple(Range::ANY).or([0.0; 3]),
         gamma: [f64; 3] = triple(Range::above_zero("")).or([2.2; 3]),
+        /// cd/m²
+        matrix: Vec<[f64; 3]> = MATRIX,
         ..common: DisplayCommonOptions,
     }
 }
