@@ -15,7 +15,7 @@ const MOST_LEAVES: usize = 1 << 16;
 
 /// A sum that does not settle within these is cut off, with the error that it has: without and with
 /// shadow rays.
-const MOST_NODES: [usize; 2] = [20_000, 3000];
+const MOST_NODES: [usize; 2] = [20_000, 1000];
 
 /// Nodes wider than this (their distance from center to rim) are always cut when something may
 /// stand before them: at most about 1/60 of the sphere is judged by one ray.
@@ -30,6 +30,10 @@ const DARK: f64 = 1e-6;
 
 /// Below it, f64 sums of moments are no better.
 const SMALLEST_ERROR: f64 = 1e-5;
+
+/// In deep shadow the error is relative to this share of what the lobes would get if nothing stood
+/// before the surroundings: a corner that sees next to nothing is not worth thousands of rays.
+const SHADED: f64 = 0.25;
 
 /// Of the error that is asked for: without shadow rays a sum is cheap, and a furnace even to 1e-4.
 const WITHOUT_SHADOWS: f64 = 0.4;
@@ -176,7 +180,8 @@ impl Descent<'_> {
         loop {
             self.judge(&mut leaves);
             let (values, error) = totals(&leaves);
-            let budget = self.largest_error * values.iter().sum::<f64>().max(self.dark());
+            let least = self.shaded(&leaves).max(self.dark());
+            let budget = self.largest_error * values.iter().sum::<f64>().max(least);
             if error <= budget || nodes > most {
                 return FarSum { values, error, nodes: nodes as u32 };
             }
@@ -184,6 +189,13 @@ impl Descent<'_> {
             nodes += 2 * wrong.len();
             wrong.into_iter().for_each(|leaf| self.expand(leaf, &mut leaves));
         }
+    }
+
+    /// See [`SHADED`].
+    fn shaded(&self, leaves: &[Leaf]) -> f64 {
+        let open = |leaf: &Leaf| leaf.sum.values.iter().sum::<f64>();
+        let share = if self.sight.is_some() { SHADED } else { 0.0 };
+        share * leaves.iter().map(open).sum::<f64>()
     }
 
     /// A sum that is as good as none.
