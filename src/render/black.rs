@@ -120,13 +120,6 @@ impl Question<'_> {
         if found.seen == 0 {
             return self.of_misses();
         }
-        if found.backs == found.seen {
-            return format!(
-                "all {} rays that meet a surface meet its back: the eye is inside of a mesh, or its \
-                 triangles wind the wrong way",
-                found.seen
-            );
-        }
         if found.shut > 0 && found.shut + found.dead >= found.seen {
             return "a material has a transmittance, but k_tg = 0 (the default): it lets nothing through"
                 .to_owned();
@@ -143,6 +136,13 @@ impl Question<'_> {
             return format!(
                 "shadows: at {} of {} hits light would arrive, but opaque surfaces are in its way",
                 found.reached, found.asked
+            );
+        }
+        if found.backs == found.seen {
+            return format!(
+                "all {} rays that meet a surface meet its back: the eye is inside of a mesh, or its \
+                 triangles wind the wrong way",
+                found.seen
             );
         }
         if found.asked == 0 {

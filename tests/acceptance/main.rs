@@ -11,6 +11,7 @@ mod interreflection;
 mod layers;
 mod lens_colors;
 mod light_check;
+mod mesh_files;
 mod stage;
 mod surroundings;
 mod target_error;
