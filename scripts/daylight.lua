@@ -11,7 +11,7 @@ local model = require "model"
 local lamp = require "lamp"
 
 local is_tiny = arg[1] == "tiny"
-local width = is_tiny and 24 or tonumber(arg[1]) or 400
+local width = is_tiny and 12 or tonumber(arg[1]) or 400
 local coarseness = is_tiny and 16 or tonumber(arg[2]) or 2
 local samples = is_tiny and 200 or tonumber(arg[3]) or 100000
 local quality = {
