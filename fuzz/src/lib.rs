@@ -1,11 +1,13 @@
-//! Readers of ray files and meshes under fuzzing: `cargo +nightly fuzz run tm25`.
+//! Readers of files under fuzzing: `cargo +nightly fuzz run tm25`.
 //!
 //! Formats are told apart by content, so that each target puts its format's mark in front.
 
 use std::path::Path;
 
+use lampyris::columns::{Choice, Table};
+use lampyris::display;
 use lampyris::geometry::import::{self, Reading};
-use lampyris::source::rayfile;
+use lampyris::source::{photometric, rayfile};
 
 pub fn read(bytes: &[u8]) {
     // A refusal is as good as a file; a panic is what is looked for.
@@ -39,3 +41,28 @@ pub fn read_stl(data: &[u8]) {
     let bytes = [&[0; 80], (records as u32).to_le_bytes().as_slice(), &data[..50 * records]].concat();
     read_mesh(&bytes, &[]);
 }
+
+/// Tables of every kind, and what is taken from them.
+pub fn read_columns(data: &[u8]) {
+    if let Ok(table) = Table::from_bytes(Path::new("fuzz"), data.to_vec()) {
+        let _ = (table.curve(&Choice::default()), table.scatter(None), table.reading.lines());
+    }
+}
+
+/// A photometric file, and a few rays of it.
+pub fn read_photometric(bytes: &[u8]) {
+    if let Ok(file) = photometric::from_bytes(Path::new("fuzz"), bytes.to_vec()) {
+        let _ = file.rays(photometric::FarField { radius_mm: 1.0, samples: 4, seed: 1 });
+    }
+}
+
+/// A profile has its mark at byte 36.
+pub fn read_profile(data: &[u8]) {
+    let mut bytes = data.to_vec();
+    bytes.resize(bytes.len().max(128), 0);
+    bytes[36..40].copy_from_slice(b"acsp");
+    let _ = display::display_from_profile(Path::new("fuzz"), &bytes, None);
+}
+
+/// What stands before the numbers of an EULUMDAT file.
+pub const LDT_START: &[u8] = b"maker\n1\n0\n";

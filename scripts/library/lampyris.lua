@@ -197,6 +197,8 @@ function lampyris.material(options) end
 ---@field points? number[][]  {{angle, value}, …}, degrees from the lobe's direction
 ---@field file? string  instead of points: a CSV file of angle and value
 ---@field column? integer  of the values in the file; 2 to 1000; default 2
+---@field incidence? number  of a file of scatter: the measured one nearest to this; 0 to 90 degrees; default the first
+---@field peak? number|"auto"  where the lobe is, for angles from elsewhere; "auto" finds it; -180 to 180 degrees; default 0
 ---@field range? number[]  {from, to}; 0 to 90 degrees; default {0, 90}
 ---@field weights? number[]  one for each point; 0 or more; default 1
 ---@field lobes? integer  1 to 2; default 1
@@ -283,7 +285,8 @@ function Rayset:starting_at(surface) end
 ---@class RaysetLoadOptions
 ---@field spectrum? Spectrum|number  default the file's
 ---@field flux? number  above 0 lm; default the header's, else the sum of the rays
----@field samples? integer  keep this many rays, drawn evenly; 1 to 100000000; default all
+---@field radius? number  of the disc on which the rays of a photometric file start; 0 or more mm; default 0: a point
+---@field samples? integer  keep this many rays, drawn evenly; of a photometric file, make as many; 1 to 100000000; default all
 ---@field seed? integer  of the draw; 0 to 9007199254740992; default 1
 ---@field start? StartOptions  moves the rays' starts along the rays; default as they are
 ---@field directions? "lambert"|"measured"|number  how narrow the rays' own lobes are; 1 is Lambert's; 1 to 30000; default "lambert"
@@ -852,6 +855,7 @@ function lampyris.display.p3_pq(options) end
 function lampyris.display.rec2020_pq(options) end
 
 ---@class Display
+---@field verdict? string  of a fitted display: whether gain, offset and gamma describe it, and where not
 ---@field gain number[]  k_g of red, green, blue
 ---@field offset number[]  k_o
 ---@field gamma number[]
@@ -869,11 +873,11 @@ local Display = {}
 ---@field rms? number  relative to the channel's maximum
 
 ---@class DisplayNewOptions
----@field matrix number[][]  cd/m²
 ---@field gain? number[]  k_g of red, green, blue; above 0; default {1, 1, 1}
 ---@field offset? number[]  k_o; default {0, 0, 0}
 ---@field gamma? number[]  above 0; default {2.2, 2.2, 2.2}
 ---@field black? number[]  {X, Y, Z}; 0 or more cd/m²; default {0, 0, 0}
+---@field matrix number[][]  cd/m²
 ---@field bits? integer  of a channel; 1 to 16; default 8
 ---@field name? string  default "display"
 
@@ -887,7 +891,8 @@ function lampyris.display.new(options) end
 ---@field blue? number[][]
 ---@field file? string  instead of red, green and blue
 ---@field matrix? number[][]  cd/m²; default from the ramps' XYZ
----@field black? number[]  {X, Y, Z}; 0 or more cd/m²; default {0, 0, 0}
+---@field black? number[]  {X, Y, Z}; 0 or more cd/m²; default what the ramps show at digit 0, else 0
+---@field curves? "gog"|"measured"  eq. 5, or curves through the measured levels; default "gog"
 ---@field bits? integer  of a channel; 1 to 16; default 8
 ---@field name? string  default "display"
 
@@ -895,6 +900,15 @@ function lampyris.display.new(options) end
 ---@param options DisplayFitOptions
 ---@return Display
 function lampyris.display.fit(options) end
+
+---@class DisplayLoadOptions
+---@field luminance? number  of white; above 0 cd/m²; default the profile's, else 80
+
+---A monitor's ICC profile with a matrix and tone curves.
+---@param path string
+---@param options? DisplayLoadOptions
+---@return Display
+function lampyris.display.load(path, options) end
 
 ---@class DisplayRampsOptions
 ---@field bits? integer  1 to 16; default 8
@@ -1091,6 +1105,7 @@ function Grid:check(lamp) end
 
 ---@class GridSaveOptions
 ---@field name? string  of the lamp; default "lamp"
+---@field issued? string  .ies: the file's date of issue; default none
 
 ---@param path string  below the output folder, ending in .csv, .ies or .ldt
 ---@param options? GridSaveOptions

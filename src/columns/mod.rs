@@ -181,13 +181,7 @@ impl Table {
             let problem = format!("is larger than {} MiB, which no table is", MOST_BYTES >> 20);
             return Err(Error::bad_file(path, Place::File, problem));
         }
-        if let Some(hint) = hint_of_content(&bytes) {
-            return Err(Error::bad_file(path, Place::File, hint));
-        }
-        let (text, encoding) = encoding::decode(bytes).map_err(|line| {
-            let what = "a control character: the file is no text".to_owned();
-            Problem { line, what }.at(path)
-        })?;
+        let (text, encoding) = decoded(path, bytes)?;
         let instrument = instrument_of(&text);
         let found = find(&text).map_err(|problem| problem.at(path))?;
         let Found { format, style, names, keywords, rows, notes, text: anew } = found;
@@ -241,6 +235,23 @@ impl Table {
         }
         Ok(())
     }
+}
+
+/// The text of a file, whatever its encoding; `path` only names it in messages.
+///
+/// Errors: [`Error::BadFile`] for packed files and others that are no text.
+pub fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String> {
+    decoded(path, bytes).map(|(text, _)| text)
+}
+
+fn decoded(path: &Path, bytes: Vec<u8>) -> Result<(String, Encoding)> {
+    if let Some(hint) = hint_of_content(&bytes) {
+        return Err(Error::bad_file(path, Place::File, hint));
+    }
+    encoding::decode(bytes).map_err(|line| {
+        let what = "a control character: the file is no text".to_owned();
+        Problem { line, what }.at(path)
+    })
 }
 
 impl<'a> TableRow<'a> {

@@ -1,8 +1,9 @@
 //! A display's model from measured ramps (Table 2).
 
 use super::curve::Curve;
+use super::measured::MeasuredCurve;
 use super::model::{CHANNELS, Display, DisplayParameters};
-use crate::color::Xyz;
+use crate::color::{Lab, Xyz};
 use crate::error::{Error, Result};
 use crate::fit::{Estimate, Residual, Table, check_table, minimize};
 
@@ -43,19 +44,72 @@ pub struct DisplayMeasurement {
     pub ramps: [Vec<RampPatch>; 3],
     /// M of eq. 6 in rows, cd/m²; `None` takes the ramps' last patches, which must then be XYZ.
     pub matrix: Option<[[f64; 3]; 3]>,
-    /// XYZ_black of eq. 6, cd/m², which is in every patch; 0 if it was subtracted from them.
-    pub black: Xyz,
+    /// XYZ_black of eq. 6, cd/m², which is in every patch; 0 if it was subtracted from them. `None`
+    /// takes what the ramps show at digit 0, or 0 where they do not start there.
+    pub black: Option<Xyz>,
     /// Bits of a channel, 1 to 16.
     pub bits: u32,
+}
+
+/// What stands for a channel's tone curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CurveKind {
+    /// Eq. 5.
+    #[default]
+    Gog,
+    /// A curve through the measured levels.
+    Measured,
 }
 
 /// The model of a measured display, and how well its curves fit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DisplayFit {
-    /// The model that fits best.
+    /// The model.
     pub display: Display,
-    /// How well it fits red, green and blue.
+    /// Eq. 5 for each channel, whatever curves the display has.
     pub channels: [ChannelFit; 3],
+    /// The level at which eq. 5 is most wrong.
+    pub worst: WorstLevel,
+    /// Black that was taken, cd/m².
+    pub black: Xyz,
+}
+
+/// How far eq. 5 is from a measured level.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WorstLevel {
+    /// 0 to 2.
+    pub channel: usize,
+    /// 0 to 2ⁿ − 1.
+    pub digit: f64,
+    /// L* of the model minus that of the measurement, of the channel's light relative to its full.
+    pub lightness_error: f64,
+}
+
+/// Steps of L* that a level may be off before eq. 5 does not describe a display: the paper's worst
+/// patch is at ΔE*ab 5.4.
+const TOLERATED_LIGHTNESS: f64 = 5.4;
+
+impl WorstLevel {
+    /// Whether eq. 5 describes the display's ramps.
+    pub fn is_described(&self) -> bool {
+        self.lightness_error.abs() <= TOLERATED_LIGHTNESS
+    }
+}
+
+impl std::fmt::Display for WorstLevel {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let (channel, digit) = (CHANNELS[self.channel], self.digit);
+        let error = self.lightness_error.abs();
+        if self.is_described() {
+            return write!(f, "described by gain-offset-gamma, to {error:.1} L*");
+        }
+        let word = if self.lightness_error > 0.0 { "light" } else { "dark" };
+        write!(
+            f,
+            "not described by gain-offset-gamma: it makes {channel} {error:.1} L* too {word} at digit \
+             {digit:.0}: curves = \"measured\" goes through the measured levels instead"
+        )
+    }
 }
 
 /// k_g and γ of a channel; k_o = 1 − k_g.
@@ -79,23 +133,77 @@ pub struct ChannelFit {
 /// Errors: [`Error::Inconsistent`] for a ramp of fewer than 3 patches, or with the row of it that
 /// is unsorted, negative, not finite, or saturated; for a ramp that does not end at full; for a
 /// matrix that is neither given nor measured; and what [`Display::new`] refuses.
-pub fn fit_display(measurement: &DisplayMeasurement) -> Result<DisplayFit> {
-    let DisplayMeasurement { name, ramps, black, bits, .. } = measurement;
+pub fn fit_display(measurement: &DisplayMeasurement, kind: CurveKind) -> Result<DisplayFit> {
+    let DisplayMeasurement { name, ramps, bits, .. } = measurement;
+    let black = measurement.black();
     let full = f64::from(*bits).exp2() - 1.0;
     let mut channels = Vec::new();
     for (ramp, channel) in ramps.iter().zip(CHANNELS) {
         channels.push(fit_channel(&format!("display fit: {channel}"), ramp, full, black.y)?);
     }
+    let levels = ramps.each_ref().map(|ramp| relative_levels(ramp, full, black.y));
     let [red, green, blue] = [channels[0], channels[1], channels[2]];
     let curve = |fit: ChannelFit| Curve::gog(fit.gain, 1.0 - fit.gain, fit.gamma);
     let display = Display::new(DisplayParameters {
         name: name.clone(),
         curves: [red, green, blue].map(curve),
-        matrix: matrix_of(measurement)?,
-        black: *black,
+        matrix: matrix_of(measurement, black)?,
+        black,
         bits: *bits,
     })?;
-    Ok(DisplayFit { display, channels: [red, green, blue] })
+    let worst = worst_level(&display, &levels);
+    let display = match kind {
+        CurveKind::Gog => display,
+        CurveKind::Measured => {
+            let [red, green, blue] =
+                levels.map(|levels| MeasuredCurve::new("display fit", &levels));
+            display.with_measured_curves([red?, green?, blue?])
+        }
+    };
+    Ok(DisplayFit { display, channels: [red, green, blue], worst, black })
+}
+
+/// Signals, and light relative to full, black subtracted.
+fn relative_levels(ramp: &[RampPatch], full: f64, black_y: f64) -> Vec<(f64, f64)> {
+    let lit = |patch: &RampPatch| patch.light.luminance() - black_y;
+    let most = ramp.last().map_or(1.0, lit);
+    ramp.iter().map(|patch| (patch.digit / full, lit(patch) / most)).collect()
+}
+
+fn worst_level(display: &Display, levels: &[Vec<(f64, f64)>; 3]) -> WorstLevel {
+    let full = f64::from(display.full_digit());
+    let lightness = |light: f64| {
+        let gray = Xyz::new(light, light, light) * 100.0;
+        Lab::from_xyz(gray, Xyz::new(100.0, 100.0, 100.0)).l
+    };
+    let all = levels.iter().enumerate().flat_map(|(channel, levels)| {
+        levels.iter().map(move |&(signal, light)| (channel, signal, light))
+    });
+    let errors = all.map(|(channel, signal, light)| WorstLevel {
+        channel,
+        digit: signal * full,
+        lightness_error: lightness(display.light(channel, signal)) - lightness(light.max(0.0)),
+    });
+    let none = WorstLevel { channel: 0, digit: 0.0, lightness_error: 0.0 };
+    errors.fold(none, |worst, error| {
+        if error.lightness_error.abs() > worst.lightness_error.abs() { error } else { worst }
+    })
+}
+
+impl DisplayMeasurement {
+    /// The black that counts: what is given, else the mean of the ramps' levels at digit 0.
+    pub fn black(&self) -> Xyz {
+        let firsts = self.ramps.iter().filter_map(|ramp| ramp.first());
+        let dark: Vec<Xyz> = firsts
+            .filter(|patch| patch.digit == 0.0)
+            .map(|patch| match patch.light {
+                Light::Xyz(color) => color,
+                Light::Luminance(y) => Xyz::new(0.0, y, 0.0),
+            })
+            .collect();
+        let sum = dark.iter().fold(Xyz::default(), |sum, color| sum + *color);
+        self.black.unwrap_or_else(|| sum * (1.0 / dark.len().max(1) as f64))
+    }
 }
 
 /// Fewest patches that leave a residual to k_g and γ.
@@ -140,7 +248,7 @@ impl From<Estimate<2>> for ChannelFit {
     }
 }
 
-fn matrix_of(measurement: &DisplayMeasurement) -> Result<[[f64; 3]; 3]> {
+fn matrix_of(measurement: &DisplayMeasurement, black: Xyz) -> Result<[[f64; 3]; 3]> {
     if let Some(matrix) = measurement.matrix {
         return Ok(matrix);
     }
@@ -153,7 +261,7 @@ fn matrix_of(measurement: &DisplayMeasurement) -> Result<[[f64; 3]; 3]> {
                 expected: format!("or X, Y, Z in the last patch of {}", CHANNELS[c]),
             });
         };
-        let primary: [f64; 3] = (color - measurement.black).into();
+        let primary: [f64; 3] = (color - black).into();
         for (row, value) in primary.into_iter().enumerate() {
             matrix[row][c] = value;
         }
@@ -186,7 +294,7 @@ mod tests {
             name: "copy".to_owned(),
             ramps: ramps(&display, count),
             matrix: None,
-            black: display.black(),
+            black: Some(display.black()),
             bits: 8,
         }
     }
@@ -194,7 +302,7 @@ mod tests {
     #[test]
     fn a_display_is_recovered_from_its_own_ramps() {
         for count in [4, 5, 256] {
-            let fit = fit_display(&measurement(count)).unwrap();
+            let fit = fit_display(&measurement(count), CurveKind::Gog).unwrap();
             let t766 = Display::eizo_t766();
             for (found, curve) in fit.channels.iter().zip(t766.curves()) {
                 // The data are exact.
@@ -213,11 +321,11 @@ mod tests {
             patch.light = Light::Luminance(patch.light.luminance());
         }
         assert_eq!(
-            fit_display(&bare).unwrap_err().to_string(),
+            fit_display(&bare, CurveKind::Gog).unwrap_err().to_string(),
             "display fit: missing \"matrix\", or X, Y, Z in the last patch of red"
         );
         bare.matrix = Some(Display::eizo_t766().matrix().transpose().to_cols_array_2d());
-        assert!(fit_display(&bare).is_ok());
+        assert!(fit_display(&bare, CurveKind::Gog).is_ok());
     }
 
     #[test]
@@ -225,7 +333,7 @@ mod tests {
         let message = |change: fn(&mut Vec<RampPatch>)| {
             let mut bad = measurement(5);
             change(&mut bad.ramps[1]);
-            fit_display(&bad).unwrap_err().to_string()
+            fit_display(&bad, CurveKind::Gog).unwrap_err().to_string()
         };
         assert_eq!(
             message(|ramp| ramp.truncate(2)),

@@ -68,7 +68,7 @@ impl<'a> GamutMap<'a> {
     /// Works out what the display can show.
     pub fn new(display: &'a Display, gamut: Gamut) -> Self {
         let black = display.xyz_from_digits([0.0; 3]);
-        let range = display.curves().map(|curve| [curve.light(0.0), curve.light(1.0)]);
+        let range = [0, 1, 2].map(|c| [0.0, 1.0].map(|signal| display.light(c, signal)));
         Self { display, gamut, white: display.white(), black, range }
     }
 

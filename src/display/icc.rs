@@ -12,7 +12,7 @@ use crate::color::{D65_XY, Xyz};
 use crate::error::{Error, Result};
 
 /// White of the profile connection space. Source: ICC.1:2010, 7.2.16.
-const D50: DVec3 = DVec3::new(0.9642, 1.0, 0.8249);
+pub(super) const D50: DVec3 = DVec3::new(0.9642, 1.0, 0.8249);
 
 /// Bradford's cone responses, in rows. Source: ICC.1:2010, E.3.
 const BRADFORD_ROWS: [[f64; 3]; 3] =
@@ -41,7 +41,12 @@ impl Display {
             xyzd(lit.into())
         };
         let first_digit = 1.0 / f64::from(self.full_digit());
-        let curve = |c: usize| Some(parametric(&self.curves()[c], black[c], first_digit));
+        let curve = |c: usize| {
+            Some(match self.measured_curves() {
+                Some(_) => sampled(self, c, black[c]),
+                None => parametric(&self.curves()[c], black[c], first_digit),
+            })
+        };
         let mut profile = blank_profile(adaptation);
         [profile.red_colorant, profile.green_colorant, profile.blue_colorant] =
             [0, 1, 2].map(colorant);
@@ -88,9 +93,13 @@ fn text(value: &str) -> ProfileText {
 
 /// Source: ICC.1:2010, annex E.
 fn d50_from_d65() -> DMat3 {
+    d50_from(DVec3::from(Xyz::from_xy(D65_XY, 1.0)))
+}
+
+/// Bradford's adaptation of a white, Y = 1, to D50.
+pub(super) fn d50_from(white: DVec3) -> DMat3 {
     let cones = DMat3::from_cols_array_2d(&BRADFORD_ROWS).transpose();
-    let d65 = DVec3::from(Xyz::from_xy(D65_XY, 1.0));
-    let gain = (cones * D50) / (cones * d65);
+    let gain = (cones * D50) / (cones * white);
     cones.inverse() * DMat3::from_diagonal(gain) * cones
 }
 
@@ -109,6 +118,17 @@ fn parametric(curve: &Curve, black: f64, first_digit: f64) -> ToneReprCurve {
     let d = curve.toe.map_or_else(start, |toe| toe.end);
     let c = (curve.light(d) + black) * share / d;
     ToneReprCurve::Parametric([curve.gamma, a, b, c, d, e, 0.0].map(|p| p as f32).to_vec())
+}
+
+/// (curve + `black`)/(1 + `black`) as a table; digit 0 has no light.
+fn sampled(display: &Display, channel: usize, black: f64) -> ToneReprCurve {
+    const ENTRIES: u16 = 4096;
+    let entry = |k: u16| {
+        let light = display.light(channel, f64::from(k) / f64::from(ENTRIES - 1));
+        let share = if k == 0 { 0.0 } else { (light + black) / (1.0 + black) };
+        (share.clamp(0.0, 1.0) * 65535.0).round() as u16
+    };
+    ToneReprCurve::Lut((0..ENTRIES).map(entry).collect())
 }
 
 #[cfg(test)]

@@ -9,7 +9,9 @@ mod gamut;
 mod glare;
 mod icc;
 mod look;
+mod measured;
 mod model;
+mod profile;
 mod table;
 mod tone;
 mod verify;
@@ -17,11 +19,16 @@ mod verify;
 pub use camera::Camera;
 pub use curve::{Curve, PQ_MAX_CD_M2, Toe};
 pub use exposure::{DUSK_CD_M2, Exposure};
-pub use fit::{ChannelFit, DisplayFit, DisplayMeasurement, Light, RampPatch, fit_display};
+pub use fit::{
+    ChannelFit, CurveKind, DisplayFit, DisplayMeasurement, Light, RampPatch, WorstLevel,
+    fit_display,
+};
 pub use gamut::{Gamut, GamutMap, GamutReport};
 pub use glare::{Glare, GlareReport, apply_glare};
 pub use look::{Developed, DisplayImage, Latent, Look};
+pub use measured::MeasuredCurve;
 pub use model::{CHANNELS, Display, DisplayParameters};
+pub use profile::{ProfiledDisplay, display_from_profile, is_icc_profile, read_profile};
 pub use table::{read_patches, read_ramps};
 pub use tone::{MIDDLE_GRAY, Tone, ToneCurve};
 pub use verify::{Fault, Patch, PatchError, ROUGH_MEAN, TABLE_3, Verdict, Verification, verify};

@@ -1,8 +1,11 @@
 //! The gain-offset-gamma display model (eq. 5 to 8).
 
+use std::sync::Arc;
+
 use glam::{DMat3, DVec3};
 
 use super::curve::{Curve, PQ_MAX_CD_M2};
+use super::measured::MeasuredCurve;
 use crate::color::{self, P3_XY, Xyz};
 use crate::error::{Error, Result};
 
@@ -11,6 +14,8 @@ use crate::error::{Error, Result};
 pub struct Display {
     name: String,
     curves: [Curve; 3],
+    /// In place of the curves.
+    measured: Option<Arc<[MeasuredCurve; 3]>>,
     /// M of eq. 6, cd/m²: columns are the primaries at full output.
     xyz_from_rgb: DMat3,
     rgb_from_xyz: DMat3,
@@ -52,7 +57,7 @@ impl Display {
             let problem = "matrix has no inverse: two primaries have the same chromaticity";
             return Err(Error::inconsistent("display", problem));
         }
-        Ok(Self { name, curves, xyz_from_rgb, rgb_from_xyz, black, bits })
+        Ok(Self { name, curves, measured: None, xyz_from_rgb, rgb_from_xyz, black, bits })
     }
 
     /// The paper's EIZO FlexScan T766: Table 2, the matrix of eq. 7, and XYZ_black.
@@ -70,6 +75,7 @@ impl Display {
                 Curve::gog(1.0220, -0.0220, 1.8642),
                 Curve::gog(0.8997, 0.1003, 2.1514),
             ],
+            measured: None,
             xyz_from_rgb: rgb_from_xyz.inverse(),
             rgb_from_xyz,
             black: Xyz::new(0.41, 0.53, 0.37),
@@ -87,6 +93,7 @@ impl Display {
         Self {
             name: "sRGB".to_owned(),
             curves: [Curve::SRGB; 3],
+            measured: None,
             xyz_from_rgb,
             rgb_from_xyz: xyz_from_rgb.inverse(),
             black: Xyz::default(),
@@ -149,6 +156,7 @@ impl Display {
         Self {
             name: name.to_owned(),
             curves: [curve; 3],
+            measured: None,
             xyz_from_rgb,
             rgb_from_xyz: xyz_from_rgb.inverse(),
             black: Xyz::default(),
@@ -192,6 +200,33 @@ impl Display {
         &self.name
     }
 
+    /// With curves through measured levels in place of eq. 5 and 8.
+    #[must_use]
+    pub fn with_measured_curves(self, measured: [MeasuredCurve; 3]) -> Self {
+        Self { measured: Some(Arc::new(measured)), ..self }
+    }
+
+    /// The curves through measured levels, if there are any.
+    pub fn measured_curves(&self) -> Option<&[MeasuredCurve; 3]> {
+        self.measured.as_deref()
+    }
+
+    /// Light of a channel (0 to 2) relative to full, from its signal, 0 to 1.
+    pub fn light(&self, channel: usize, signal: f64) -> f64 {
+        match &self.measured {
+            Some(measured) => measured[channel].light(signal),
+            None => self.curves[channel].light(signal),
+        }
+    }
+
+    /// Signal of a channel (0 to 2), 0 to 1, from its light relative to full.
+    pub fn signal(&self, channel: usize, light: f64) -> f64 {
+        match &self.measured {
+            Some(measured) => measured[channel].signal(light),
+            None => self.curves[channel].signal(light),
+        }
+    }
+
     /// Tone curves of red, green and blue.
     pub fn curves(&self) -> &[Curve; 3] {
         &self.curves
@@ -231,7 +266,7 @@ impl Display {
     /// What digits show, cd/m² (eq. 5 and 6). Fractional digits are allowed.
     pub fn xyz_from_digits(&self, digits: [f64; 3]) -> Xyz {
         let full = f64::from(self.full_digit());
-        self.xyz_from_linear(std::array::from_fn(|c| self.curves[c].light(digits[c] / full)))
+        self.xyz_from_linear(std::array::from_fn(|c| self.light(c, digits[c] / full)))
     }
 
     /// Eq. 6.
@@ -253,7 +288,7 @@ impl Display {
             return None;
         }
         let full = f64::from(self.full_digit());
-        Some(std::array::from_fn(|c| (full * self.curves[c].signal(rgb[c])).round() as u16))
+        Some(std::array::from_fn(|c| (full * self.signal(c, rgb[c])).round() as u16))
     }
 
     /// Digits that show `color`, cd/m², or what the display has nearest to it in each channel.

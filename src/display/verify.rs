@@ -202,7 +202,7 @@ mod tests {
     use std::path::PathBuf;
 
     use crate::display::{Curve, DisplayFit, DisplayMeasurement, DisplayParameters};
-    use crate::display::{Light, RampPatch, fit_display, read_patches, read_ramps};
+    use crate::display::{CurveKind, Light, RampPatch, fit_display, read_patches, read_ramps};
     use crate::spectrum::Spectrum;
 
     fn data(name: &str) -> PathBuf {
@@ -230,11 +230,11 @@ mod tests {
             }
         }
         let name = "CRT, 75 Hz, 2006".to_owned();
-        DisplayMeasurement { name, ramps, matrix: None, black, bits: 8 }
+        DisplayMeasurement { name, ramps, matrix: None, black: Some(black), bits: 8 }
     }
 
     fn fit(thirtieths: &[usize]) -> DisplayFit {
-        fit_display(&crt(thirtieths)).unwrap()
+        fit_display(&crt(thirtieths), CurveKind::Gog).unwrap()
     }
 
     /// SciPy 1.17.1: `curve_fit(lambda x, kg, g: np.maximum(0, kg*x + 1 - kg)**g, x, Y/Y[-1],
@@ -314,13 +314,17 @@ mod tests {
                 RampPatch { digit, light: Light::Xyz(shown(digits)) }
             })
         };
-        let fit = fit_display(&DisplayMeasurement {
+        let lcd = DisplayMeasurement {
             name: "LCD".to_owned(),
             ramps: [0, 1, 2].map(|c| ramp(c).collect()),
             matrix: None,
-            black: Xyz::default(),
+            black: None,
             bits: 8,
-        });
+        };
+        let fit = fit_display(&lcd, CurveKind::Gog);
+        let verdict = fit.as_ref().unwrap().worst.to_string();
+        assert!(verdict.starts_with("not described by gain-offset-gamma: it makes "), "{verdict}");
+        let measured = fit_display(&lcd, CurveKind::Measured).unwrap().display;
         let levels = || (0..6).map(|i| 51.0 * f64::from(i));
         let all =
             levels().flat_map(|r| levels().flat_map(move |g| levels().map(move |b| [r, g, b])));
@@ -329,6 +333,9 @@ mod tests {
         let found = verify(&fit.unwrap().display, &patches).unwrap();
         assert_eq!(found.verdict, Verdict::Fails(Fault::ToneCurve));
         assert!(found.verdict.to_string().ends_with("the S-shape of an LCD"));
+        // Through five levels, the curve is off between them; through 17 it is not.
+        let through = verify(&measured, &patches).unwrap();
+        assert!(through.mean < 0.5 * found.mean, "{} {}", through.mean, found.mean);
     }
 
     #[test]

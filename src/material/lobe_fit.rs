@@ -22,6 +22,40 @@ impl<'a> LobeTable<'a> {
     }
 }
 
+/// Where a table of angles from anywhere, such as the sample's normal, has its lobe.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Peak {
+    /// At 0°: the angles are from the lobe's direction.
+    #[default]
+    AtZero,
+    /// At this angle, degrees.
+    At(f64),
+    /// Wherever the values above half of the largest one have their center.
+    Found,
+}
+
+/// The points with angles from the peak.
+///
+/// Errors: [`Error::Inconsistent`] for no points, whose peak is not found.
+pub fn about_peak(points: &[(f64, f64)], peak: Peak) -> Result<Vec<(f64, f64)>> {
+    let peak_deg = match peak {
+        Peak::AtZero => 0.0,
+        Peak::At(angle) => angle,
+        Peak::Found => {
+            let most = points.iter().map(|point| point.1).fold(0.0, f64::max);
+            let high = points.iter().filter(|point| point.1 > 0.5 * most);
+            let (sum, weight) = high.fold((0.0, 0.0), |(sum, weight), &(angle, value)| {
+                (sum + angle * (value - 0.5 * most), weight + (value - 0.5 * most))
+            });
+            if !(weight > 0.0 && weight.is_finite()) {
+                return Err(Error::inconsistent(OBJECT, "there is no peak to be found"));
+            }
+            sum / weight
+        }
+    };
+    Ok(points.iter().map(|&(angle, value)| (angle - peak_deg, value)).collect())
+}
+
 /// How many lobes are summed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LobeCount {
@@ -106,6 +140,8 @@ const OBJECT: &str = "lobe fit";
 
 /// A point within the range.
 struct Row {
+    /// Among the table's points.
+    point: usize,
     ln_cos: f64,
     value: f64,
     /// Root of the weight.
@@ -133,10 +169,11 @@ fn check(table: &LobeTable, count: LobeCount, space: LobeSpace) -> Result<Vec<Ro
     }
     let weights = check_weights(table)?;
     let [from, to] = table.range_deg;
-    let inside = table.points.iter().zip(weights);
-    let inside = inside.filter(|((angle, _), _)| (from..=to).contains(&angle.abs()));
+    let inside = table.points.iter().zip(weights).enumerate();
+    let inside = inside.filter(|(_, ((angle, _), _))| (from..=to).contains(&angle.abs()));
     let rows: Vec<Row> = inside
-        .map(|(&(angle, value), weight)| Row {
+        .map(|(point, (&(angle, value), weight))| Row {
+            point,
             ln_cos: ln_cos(angle),
             value,
             root_weight: weight.sqrt(),
@@ -150,10 +187,30 @@ fn check(table: &LobeTable, count: LobeCount, space: LobeSpace) -> Result<Vec<Ro
     if weighty < needs {
         return refuse(format!("has {weighty} points in range, needs at least {needs}"));
     }
+    check_peak(table, &rows)?;
     if rows.iter().all(|row| row.value == 0.0) {
         return refuse("all values in range are 0".to_owned());
     }
     Ok(rows)
+}
+
+/// Refuses a table whose lobe is elsewhere than at 0°: its angles are from the normal, most likely.
+fn check_peak(table: &LobeTable, rows: &[Row]) -> Result<()> {
+    const FARTHEST_DEG: f64 = 10.0;
+    let weighty = rows.iter().filter(|row| row.root_weight > 0.0);
+    let Some(top) = weighty.clone().max_by(|a, b| a.value.total_cmp(&b.value)) else {
+        return Ok(());
+    };
+    let middle = weighty.max_by(|a, b| a.ln_cos.total_cmp(&b.ln_cos)).unwrap_or(top);
+    let top_deg = table.points[top.point].0;
+    if middle.value >= 0.5 * top.value && top_deg.abs() <= FARTHEST_DEG {
+        return Ok(());
+    }
+    let problem = format!(
+        "the largest value is at {top_deg}°, not near 0°: angles from the normal? give peak = \
+         {top_deg}, or peak = \"auto\""
+    );
+    Err(Error::inconsistent(OBJECT, problem))
 }
 
 fn check_weights(table: &LobeTable) -> Result<Vec<f64>> {
@@ -187,6 +244,13 @@ fn fit_lobes<const LOBES: usize, const PARAMETERS: usize>(
     lobes.sort_by(|a, b| b.n.total_cmp(&a.n));
     if lobes.iter().any(|lobe| !(lobe.n.is_finite() && lobe.amplitude.is_finite())) {
         return Err(Error::inconsistent(OBJECT, "the fit does not converge"));
+    }
+    // NaN is no error either.
+    if let Some(lobe) = lobes.iter().find(|lobe| lobe.n_error > lobe.n) {
+        let FittedLobe { n, n_error, .. } = lobe;
+        let problem =
+            format!("n = {n:.3} ± {n_error:.3}: the points do not determine the exponent");
+        return Err(Error::inconsistent(OBJECT, problem));
     }
     Ok(lobes)
 }
@@ -396,6 +460,29 @@ mod tests {
             assert!((found.lobes[0].n - 100.0).abs() < 1e-6, "{found:?}");
             assert_eq!(found.points, count);
         }
+    }
+
+    #[test]
+    fn lobes_in_absolute_angles_are_found_or_refused() {
+        let absolute: Vec<(f64, f64)> = (0..=60)
+            .map(|i| 15.0 + f64::from(i))
+            .map(|a: f64| (a, 3.0 * (a - 45.0).to_radians().cos().powi(200)))
+            .collect();
+        let refused = fit_lobe(&LobeTable::new(&absolute), LobeCount::One, LobeSpace::Log);
+        assert_eq!(
+            refused.unwrap_err().to_string(),
+            "lobe fit: the largest value is at 45°, not near 0°: angles from the normal? give peak = \
+             45, or peak = \"auto\""
+        );
+        for peak in [Peak::At(45.0), Peak::Found] {
+            let points = about_peak(&absolute, peak).unwrap();
+            let found = fit(&points, LobeCount::One, LobeSpace::Log);
+            assert!((found.lobes[0].n - 200.0).abs() < 1e-3, "{peak:?}: {found:?}");
+        }
+        let noise = [(0.0, 1.0), (1.0, 0.98), (2.0, 1.03), (3.0, 0.99), (4.0, 1.04)];
+        let refused = fit_lobe(&LobeTable::new(&noise), LobeCount::One, LobeSpace::Linear);
+        let message = refused.unwrap_err().to_string();
+        assert!(message.ends_with("the points do not determine the exponent"), "{message}");
     }
 
     #[test]

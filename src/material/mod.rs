@@ -4,7 +4,9 @@ mod lobe_file;
 mod lobe_fit;
 
 pub use lobe_file::{LobeFile, read_lobe};
-pub use lobe_fit::{FittedLobe, LobeCount, LobeFit, LobeSpace, LobeTable, fit_lobe};
+pub use lobe_fit::{
+    FittedLobe, LobeCount, LobeFit, LobeSpace, LobeTable, Peak, about_peak, fit_lobe,
+};
 
 use crate::error::{Error, Result};
 use crate::spectrum::Spectrum;

@@ -4,13 +4,15 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use crate::columns::Choice;
+use crate::columns::{Choice, Table};
+use crate::display::{self, ProfiledDisplay};
 use crate::error::{Error, Place, Result};
 use crate::geometry::import::{self, MeshFile, Reading};
 use crate::output;
 use crate::program::stamp::Stamp;
 use crate::program::sweep::Manifest;
 use crate::source::Starts;
+use crate::source::photometric;
 use crate::source::rayfile::{self, RayFile, SpectrumSource};
 use crate::spectrum::Spectrum;
 
@@ -37,6 +39,8 @@ pub fn describe(path: &Path) -> Result<String> {
         ([0x76, 0x2f, 0x31, 0x01, ..], _) => exr(path)?,
         ([b'{', ..], "json") => manifest(path)?,
         (start, _) if import::is_mesh(path, start) => mesh(path)?,
+        (start, _) if display::is_icc_profile(start) => profile(path)?,
+        (start, _) if photometric::is_photometric(start) => photometric(path)?,
         _ => rays_or_table(path)?,
     };
     Ok(format!("{name}: {}", lines.join("\n  ")))
@@ -47,14 +51,46 @@ fn rays_or_table(path: &Path) -> Result<Vec<String>> {
         Ok(file) => return Ok(rays(&file)),
         Err(error) => error,
     };
-    match Spectrum::load(path, &Choice::default()) {
-        Ok(spectrum) => Ok(table(&spectrum)),
-        Err(not_a_spectrum) => {
-            let problem =
-                format!("holds neither rays ({not_rays}) nor a spectrum ({not_a_spectrum})");
+    match Table::read(path).and_then(|read| table(&read)) {
+        Ok(lines) => Ok(lines),
+        Err(no_table) => {
+            let problem = format!("holds neither rays ({not_rays}) nor a table ({no_table})");
             Err(Error::bad_file(path, Place::File, problem))
         }
     }
+}
+
+/// A monitor's profile.
+fn profile(path: &Path) -> Result<Vec<String>> {
+    let ProfiledDisplay { display, notes } = display::read_profile(path, None)?;
+    let white = display.white();
+    let [x, y] = white.chromaticity().unwrap_or_default();
+    let mut lines = vec![format!("ICC profile of a display: {}", display.name())];
+    lines.push(format!("white {:.1} cd/m² at ({x:.4}, {y:.4})", white.y));
+    lines.extend(notes);
+    Ok(lines)
+}
+
+/// What a photometric file holds.
+fn photometric(path: &Path) -> Result<Vec<String>> {
+    let file = photometric::read(path)?;
+    let [planes, tilts] = file.solid.size();
+    let mut lines = vec![format!(
+        "{} file, type {}, {planes} × {tilts} angles",
+        file.format,
+        file.solid.angle_type()
+    )];
+    lines.push(format!("luminous flux: {:.4} lm by its intensities", file.solid.flux_lm()));
+    lines.extend(file.lamp_flux_lm.map(|flux| format!("flux of its lamps: {flux} lm")));
+    lines.push(format!("largest intensity: {} cd", file.solid.peak_cd()));
+    lines.push(format!(
+        "luminous opening: {} mm, good beyond {} mm",
+        file.opening_mm,
+        10.0 * file.opening_mm
+    ));
+    lines.extend(file.description.iter().map(|(name, text)| format!("{name}: {text}")));
+    lines.extend(file.warnings.iter().map(|warning| format!("warning: {warning}")));
+    Ok(lines)
 }
 
 fn exr(path: &Path) -> Result<Vec<String>> {
@@ -115,13 +151,42 @@ fn mesh(path: &Path) -> Result<Vec<String>> {
     Ok(lines)
 }
 
-fn table(spectrum: &Spectrum) -> Vec<String> {
+/// What a table was taken for, and what it holds.
+fn table(table: &Table) -> Result<Vec<String>> {
+    let mut lines = table.reading.lines();
+    let names: Vec<&str> = table.names.iter().map(String::as_str).collect();
+    if !names.is_empty() && names.len() <= 16 {
+        lines.push(format!("columns: {}", names.join(", ")));
+    }
+    if table.is_scatter() {
+        let scatter = table.scatter(None)?;
+        let (count, incidence) = (scatter.points.len(), scatter.incidence_deg);
+        lines.push(format!("{count} points in the plane of incidence at {incidence}°"));
+        return Ok(lines);
+    }
+    match table.curve(&Choice::default()) {
+        Ok(curve) => {
+            lines.extend(curve.notes.iter().cloned());
+            lines.extend(spectrum(&Spectrum::from(curve)));
+        }
+        Err(error) if table.row_count() == 0 => return Err(error),
+        Err(error) => {
+            lines.push(format!("{} rows, no spectrum: {error}", table.row_count()));
+        }
+    }
+    Ok(lines)
+}
+
+fn spectrum(spectrum: &Spectrum) -> Vec<String> {
     let lambda_nm = spectrum.wavelengths_nm();
     let (first, last) = (lambda_nm[0], lambda_nm[lambda_nm.len() - 1]); // never empty
     let mut lines = vec![
-        format!("spectrum, {} rows, {first} to {last} nm", lambda_nm.len()),
+        format!("as spectrum: {} rows, {first} to {last} nm", lambda_nm.len()),
         format!("values {} to {}", spectrum.min(), spectrum.max()),
     ];
+    if spectrum.partial_range_nm().is_some() {
+        lines.push("covers a part of 380 to 780 nm only".to_owned());
+    }
     if let Some([x, y]) = spectrum.xyz().chromaticity() {
         lines.push(format!("as light: chromaticity x = {x:.4}, y = {y:.4}"));
     }

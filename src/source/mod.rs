@@ -9,6 +9,7 @@ pub mod emitter;
 pub mod filament;
 mod lambert;
 pub mod noise;
+pub mod photometric;
 pub mod rayfile;
 pub(crate) mod sequence;
 pub mod start_surface;

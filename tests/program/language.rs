@@ -46,6 +46,7 @@ const OPTIONS: &[[&str; 2]] = &[
     ["GlareOptions", "image:save('x.png', { glare = X })"],
     ["DisplayNewOptions", "L.display.new(X)"],
     ["DisplayFitOptions", "L.display.fit(X)"],
+    ["DisplayLoadOptions", "L.display.load('x.icc', X)"],
     ["DisplayRampsOptions", "L.display.ramps('x.csv', X)"],
     ["FigureAxis", "L.figure { series = {}, x = X }"],
     ["FigureSeries", "L.figure { series = { X } }"],

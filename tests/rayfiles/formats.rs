@@ -72,7 +72,7 @@ fn three_rays_are_the_same_in_every_encoding_without_wavelengths() {
         (LightTools { major: 3, ..LightTools::flux_only(1) }.bytes(), Format::LightToolsBinary),
         (seeds::asap(u32::to_le_bytes), Format::Asap),
         (seeds::asap(u32::to_be_bytes), Format::Asap),
-        (seeds::seven_columns().into_bytes(), Format::SevenColumns),
+        (seeds::seven_columns().into_bytes(), Format::Columns),
         (seeds::csv().into_bytes(), Format::Csv),
     ];
     for (bytes, format) in files {

@@ -2,6 +2,7 @@
 
 mod formats;
 mod mutations;
+mod real_inputs;
 mod refusals;
 mod round_trip;
 mod seeds;

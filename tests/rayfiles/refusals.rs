@@ -39,7 +39,8 @@ fn flawed_records_are_named() {
 #[test]
 fn the_first_of_many_flaws_is_named() {
     let mut rows = vec![vec![0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0]; 200_000];
-    for record in [123_456, 123_457, 150_000, 199_999] {
+    // More than the one in a thousand that may be left out.
+    for record in [123_456].into_iter().chain(190_000..190_300) {
         rows[record - 1][6] = -1.0;
     }
     let text: String = rows.iter().map(|r| format!("{},0,0,0,0,1,{}\n", r[0], r[6])).collect();
@@ -125,8 +126,7 @@ fn sets_without_rays_or_light() {
 
 #[test]
 fn other_files_are_no_ray_files() {
-    let other: [&[u8]; 6] =
-        [b"", b"\n\n", b"PK\x03\x04 zip", b"v 0 0 0\nf 1 2 3\n", b"1 2 3 4 5 6\n", &[0; 5000]];
+    let other: [&[u8]; 5] = [b"", b"\n\n", b"v 0 0 0\nf 1 2 3\n", b"1 2 3 4 5 6\n", &[0; 5000]];
     for bytes in other {
         assert!(message(bytes).starts_with("rays: not a ray file of a known format"));
     }

@@ -244,3 +244,22 @@ pub fn all() -> Vec<Vec<u8>> {
         asap(u32::to_be_bytes),
     ]
 }
+
+/// A Speos file: W, five words, lm, then x y z l m n nm W.
+pub fn speos(watts: f32, lumens: f32, rows: &[Row]) -> Vec<u8> {
+    let mut bytes = floats(&[watts, 1.0, 0.0, 0.0, 0.0, 2.0, lumens]);
+    for [x, y, z, l, m, n, flux, nm] in rows {
+        bytes.extend(floats(&[*x, *y, *z, *l, *m, *n, *nm, *flux]));
+    }
+    bytes
+}
+
+/// Rows under names, cells parted by `separator` with `mark` before decimals.
+pub fn named(header: &str, separator: &str, mark: &str, rows: &[Row]) -> String {
+    let row = |row: &Row| {
+        let cells: Vec<String> =
+            row.iter().map(|cell| cell.to_string().replace('.', mark)).collect();
+        cells.join(separator) + "\r\n"
+    };
+    format!("{header}\r\n{}", rows.iter().map(row).collect::<String>())
+}

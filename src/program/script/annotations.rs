@@ -55,6 +55,7 @@ const RESULTS: &[fn() -> Class] = &[
 const RECORDS: &[fn() -> Class] = &[
     class::<super::camera::CameraOptions>,
     class::<super::display::PqOptions>,
+    class::<super::display::DisplayLoadOptions>,
     class::<super::display::DisplayNewOptions>,
     class::<super::display_fit::DisplayFitOptions>,
     class::<super::display_fit::DisplayRampsOptions>,

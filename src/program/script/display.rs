@@ -11,7 +11,9 @@ use super::options::{Arguments, Ends, Range};
 use super::record::options;
 use super::{display_fit, fault, host};
 use crate::color::Xyz;
-use crate::display::{CHANNELS, ChannelFit, Curve, Display, DisplayParameters, PQ_MAX_CD_M2};
+use crate::display::{
+    self, CHANNELS, ChannelFit, Curve, Display, DisplayParameters, PQ_MAX_CD_M2, ProfiledDisplay,
+};
 use crate::error::Error;
 use crate::output;
 use crate::program::fields::Cell;
@@ -31,6 +33,8 @@ pub struct Fitted {
     pub channels: [ChannelFit; 3],
     /// Digits, and light relative to full, black subtracted.
     pub ramps: [Vec<[f64; 2]>; 3],
+    /// Whether eq. 5 describes them, and where it fails.
+    pub verdict: String,
 }
 
 impl From<Display> for LuaDisplay {
@@ -39,8 +43,10 @@ impl From<Display> for LuaDisplay {
     }
 }
 
-const NAMES: [&str; 10] =
-    ["bits", "channels", "digital", "gain", "gamma", "offset", "plot", "save", "verify", "xyz"];
+const NAMES: [&str; 11] = [
+    "bits", "channels", "digital", "gain", "gamma", "offset", "plot", "save", "verdict", "verify",
+    "xyz",
+];
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     let table = lua.create_table()?;
@@ -55,6 +61,10 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     table.set(
         "fit",
         fault::function(lua, |lua, a| display_fit::fit(lua, Arguments::new("display.fit", a, 1)?))?,
+    )?;
+    table.set(
+        "load",
+        fault::function(lua, |lua, a| load(lua, Arguments::new("display.load", a, 2)?))?,
     )?;
     table.set(
         "ramps",
@@ -77,6 +87,24 @@ options! {
     }
 }
 
+options! {
+    struct DisplayLoadOptions {
+        /// of white
+        luminance: Option<f64> = Number(Range::above_zero("cd/m²"))
+            .optional("the profile's, else 80"),
+    }
+}
+
+/// A monitor's ICC profile.
+fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaDisplay> {
+    let path = arguments.text("path")?;
+    let DisplayLoadOptions { luminance } = arguments.record()?;
+    let host = host::of(lua)?;
+    let ProfiledDisplay { display, notes } = display::read_profile(&host.input(&path)?, luminance)?;
+    notes.iter().for_each(|note| host.warn(format!("{path}: {note}")));
+    Ok(display.into())
+}
+
 fn pq(
     object: &'static str,
     arguments: MultiValue,
@@ -93,6 +121,8 @@ options! {
         /// k_o
         offset: [f64; 3] = triple(Range::ANY).or([0.0; 3]),
         gamma: [f64; 3] = triple(Range::above_zero("")).or([2.2; 3]),
+        /// {X, Y, Z}
+        black: [f64; 3] = BLACK.or([0.0; 3]),
         /// cd/m²
         matrix: Vec<[f64; 3]> = MATRIX,
         ..common: DisplayCommonOptions,
@@ -102,13 +132,13 @@ options! {
 options! {
     /// Of every display that a script makes.
     struct DisplayCommonOptions {
-        /// {X, Y, Z}
-        black: [f64; 3] = triple(Range::new(0.0, f64::INFINITY, "cd/m²")).or([0.0; 3]),
         /// of a channel
         bits: u32 = BITS.or(8),
         name: String = Text("a name").or("display".to_owned()),
     }
 }
+
+pub(super) const BLACK: Numbers<3> = triple(Range::new(0.0, f64::INFINITY, "cd/m²"));
 
 const fn triple(range: Range) -> Numbers<3> {
     Numbers { range, expected: "a list of 3 numbers" }
@@ -129,7 +159,8 @@ pub(super) fn matrix(object: &str, rows: Vec<[f64; 3]>) -> mlua::Result<[[f64; 3
 }
 
 fn new(mut arguments: Arguments) -> mlua::Result<LuaDisplay> {
-    let DisplayNewOptions { matrix: rows, gain, offset, gamma, common } = arguments.record()?;
+    let DisplayNewOptions { matrix: rows, gain, offset, gamma, black, common } =
+        arguments.record()?;
     let curve = |c: usize| Curve {
         gain: gain[c],
         offset: offset[c],
@@ -141,7 +172,7 @@ fn new(mut arguments: Arguments) -> mlua::Result<LuaDisplay> {
         name: common.name,
         curves: [0, 1, 2].map(curve),
         matrix: matrix("display.new", rows)?,
-        black: common.black.into(),
+        black: black.into(),
         bits: common.bits,
     };
     Ok(Display::new(parameters)?.into())
@@ -164,6 +195,10 @@ impl UserData for LuaDisplay {
         fields.add_field_method_get("gamma", |_, this| Ok(this.display.curves().map(|c| c.gamma)));
         fields.add_field_method_get("bits", |_, this| Ok(this.display.bits()));
         fields.add_field_method_get("channels", |_, this| Ok(channels(this)));
+        // Of a fitted display; nil of others.
+        fields.add_field_method_get("verdict", |_, this| {
+            Ok(this.fitted.as_ref().map(|fitted| fitted.verdict.clone()))
+        });
         fields.add_field_method_get("plot", |_, this| Ok(display_fit::plot(this)));
     }
 

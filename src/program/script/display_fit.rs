@@ -4,15 +4,17 @@ use std::sync::Arc;
 
 use mlua::{Lua, Table, Value};
 
-use super::display::{DisplayCommonOptions, Fitted, LuaDisplay, MATRIX, matrix};
+use super::display::{BLACK, DisplayCommonOptions, Fitted, LuaDisplay, MATRIX, matrix};
 use super::figure::LuaFigure;
 use super::host;
-use super::kinds::{Custom, Kind, List, Naming, Text, missing, numbers};
+use super::kinds::{Choice, Custom, Kind, List, Naming, Text, missing, numbers};
 use super::look::BITS;
 use super::options::{self, Arguments, Range};
 use super::record::options;
 use crate::color::Xyz;
-use crate::display::{self, CHANNELS, Display, DisplayMeasurement, Light, Patch, RampPatch};
+use crate::display::{
+    self, CHANNELS, CurveKind, Display, DisplayMeasurement, Light, Patch, RampPatch,
+};
 use crate::error::Error;
 use crate::program::fields::Cell;
 use crate::program::figure::{Axis, Chart, Panel, Series};
@@ -28,6 +30,12 @@ options! {
         file: Option<String> = Text("a file").optional(""),
         /// cd/m²
         matrix: Option<Vec<[f64; 3]>> = MATRIX.optional("from the ramps' XYZ"),
+        /// {X, Y, Z}
+        black: Option<[f64; 3]> = BLACK.optional("what the ramps show at digit 0, else 0"),
+        /// eq. 5, or curves through the measured levels
+        curves: CurveKind =
+            Choice(&[("gog", CurveKind::Gog), ("measured", CurveKind::Measured)])
+                .or(CurveKind::Gog),
         ..common: DisplayCommonOptions,
     }
 }
@@ -40,7 +48,8 @@ const RAMP: List<Custom<RampPatch>> = List {
 
 pub(super) fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaDisplay> {
     const OBJECT: &str = "display.fit";
-    let DisplayFitOptions { red, green, blue, file, matrix: rows, common } = arguments.record()?;
+    let DisplayFitOptions { red, green, blue, file, matrix: rows, black, curves, common } =
+        arguments.record()?;
     let ramps = match file {
         Some(path) => display::read_ramps(&host::of(lua)?.input(&path)?, common.bits)?,
         None => {
@@ -54,17 +63,20 @@ pub(super) fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaDispla
         name: common.name,
         ramps,
         matrix: rows.map(|rows| matrix(OBJECT, rows)).transpose()?,
-        black: common.black.into(),
+        black: black.map(Xyz::from),
         bits: common.bits,
     };
-    let fit = display::fit_display(&measurement)?;
-    let fitted = Fitted { channels: fit.channels, ramps: relative_ramps(&measurement) };
+    let fit = display::fit_display(&measurement, curves)?;
+    if curves == CurveKind::Gog && !fit.worst.is_described() {
+        host::of(lua)?.warn(format!("display.fit: {} is {}", measurement.name, fit.worst));
+    }
+    let (channels, verdict) = (fit.channels, fit.worst.to_string());
+    let fitted = Fitted { channels, ramps: relative_ramps(&measurement, fit.black.y), verdict };
     Ok(LuaDisplay { display: Arc::new(fit.display), fitted: Some(Arc::new(fitted)) })
 }
 
 /// What the curves were fitted to: black subtracted, the last patch being 1.
-fn relative_ramps(measurement: &DisplayMeasurement) -> [Vec<[f64; 2]>; 3] {
-    let black = measurement.black.y;
+fn relative_ramps(measurement: &DisplayMeasurement, black: f64) -> [Vec<[f64; 2]>; 3] {
     measurement.ramps.each_ref().map(|ramp| {
         let full = ramp.last().map_or(1.0, |patch| patch.light.luminance() - black);
         ramp.iter().map(|patch| [patch.digit, (patch.light.luminance() - black) / full]).collect()
@@ -79,9 +91,9 @@ pub(super) fn plot(display: &LuaDisplay) -> LuaFigure {
     let full = f64::from(display.display.full_digit());
     let mut series = Vec::new();
     for (c, name) in CHANNELS.into_iter().enumerate() {
-        let curve = &display.display.curves()[c];
         let signals = (0..=STEPS).map(|step| f64::from(step) / f64::from(STEPS));
-        let points = signals.map(|signal| [full * signal, curve.light(signal)]).collect();
+        let points =
+            signals.map(|signal| [full * signal, display.display.light(c, signal)]).collect();
         series.push(Series { color: Some(RGB[c]), ..Series::line(name, points) });
         if let Some(fitted) = &display.fitted {
             let points = fitted.ramps[c].clone();

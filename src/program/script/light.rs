@@ -15,7 +15,7 @@ use super::options::{self, Arguments, Range};
 use super::record::{Record, options};
 use super::scene::Object;
 use super::spectrum::LuaSpectrum;
-use super::{fault, host};
+use super::{far_field, fault, host};
 use crate::error::Error;
 use crate::geometry::DVec3;
 use crate::light::{RaySample, RaySet};
@@ -81,7 +81,9 @@ options! {
         spectrum: Option<Spectrum> = SpectrumOrNumber::of_light().optional("the file's"),
         flux: Option<f64> =
             Number(FLUX).optional("the header's, else the sum of the rays"),
-        /// keep this many rays, drawn evenly
+        /// of the disc on which the rays of a photometric file start
+        radius: Option<f64> = Number(Range::new(0.0, f64::INFINITY, "mm")).optional("0: a point"),
+        /// keep this many rays, drawn evenly; of a photometric file, make as many
         samples: Option<usize> = Count::new(1, MAX_SAMPLES).optional("all"),
         /// of the draw
         seed: u64 = SEED,
@@ -106,9 +108,16 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let path = arguments.text("path")?;
     let given: RaysetLoadOptions = arguments.record()?;
     let host = host::of(lua)?;
-    let found = host.input(&path)?;
-    host::reserve_for_file(lua, "rayset.load", &found)?;
-    let file = rayfile::read(&found)?;
+    let input = host.input(&path)?;
+    host::reserve_for_file(lua, "rayset.load", &input)?;
+    if far_field::is_far_field(&input) {
+        return far_field::load(&host, &input, given);
+    }
+    if given.radius.is_some() {
+        let problem = "\"radius\" is for photometric files, ray files have their start points";
+        return Err(Error::inconsistent("rayset.load", problem).into());
+    }
+    let file = rayfile::read(&input)?;
     for warning in &file.warnings {
         host.warn(format!("{path}: {warning}"));
     }

@@ -1,14 +1,14 @@
 //! `lampyris.fit_lobe`.
 
-use mlua::{Lua, Table};
+use mlua::{Lua, Table, Value};
 
 use super::figure::LuaFigure;
-use super::kinds::{Choice, Count, Kind, List, Naming, Numbers, Text, missing, numbers};
-use super::options::{Arguments, Range};
+use super::kinds::{Choice, Count, Kind, List, Naming, Number, Numbers, Text, missing, numbers};
+use super::options::{self, Arguments, Range};
 use super::record::options;
 use super::spectrum::COLUMN;
 use super::{fault, host};
-use crate::material::{self, LobeCount, LobeFit, LobeSpace, LobeTable, fit_lobe};
+use crate::material::{self, LobeCount, LobeFit, LobeSpace, LobeTable, Peak, about_peak, fit_lobe};
 use crate::program::figure::{Axis, Chart, Panel, Series};
 use crate::program::results::{LOBE, LOBE_FIT};
 
@@ -24,6 +24,10 @@ options! {
         file: Option<String> = Text("a file").optional(""),
         /// of the values in the file
         column: usize = COLUMN,
+        /// of a file of scatter: the measured one nearest to this
+        incidence: Option<f64> = Number(Range::new(0.0, 90.0, "degrees")).optional("the first"),
+        /// where the lobe is, for angles from elsewhere; "auto" finds it
+        peak: Peak = PeakKind.or(Peak::AtZero),
         /// {from, to}
         range: [f64; 2] = Numbers {
             range: Range::new(0.0, 90.0, "degrees"),
@@ -38,6 +42,41 @@ options! {
     }
 }
 
+/// An angle, or "auto".
+struct PeakKind;
+
+impl Kind for PeakKind {
+    type Read = Peak;
+
+    fn read(&self, object: &str, what: &str, value: &Value) -> mlua::Result<Peak> {
+        match value {
+            Value::String(_) => {
+                let word = options::text(object, what, value)?;
+                options::choice(object, what, &word, &[("auto", Peak::Found)])
+            }
+            _ => options::number(object, what, value, PEAKS).map(Peak::At),
+        }
+    }
+
+    fn lua_type(&self) -> String {
+        "number|\"auto\"".to_owned()
+    }
+
+    fn expected(&self) -> String {
+        format!("a number, {PEAKS}, or \"auto\"")
+    }
+
+    fn allowed(&self) -> String {
+        PEAKS.to_string()
+    }
+
+    fn shown(&self, _: &Peak) -> String {
+        "0".to_owned()
+    }
+}
+
+const PEAKS: Range = Range::new(-180.0, 180.0, "degrees");
+
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     module.set(
         "fit_lobe",
@@ -47,7 +86,7 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
 
 fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
     let given: LobeFitOptions = arguments.record()?;
-    let points = points(lua, &given)?;
+    let points = about_peak(&points(lua, &given)?, given.peak)?;
     let count = if given.lobes == 2 { LobeCount::Two } else { LobeCount::One };
     let weights = given.weights.as_deref();
     let table = LobeTable { points: &points, weights, range_deg: given.range };
@@ -59,7 +98,12 @@ fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
 /// `points = {{angle, value}, …}`, or two columns of `file`.
 fn points(lua: &Lua, given: &LobeFitOptions) -> mlua::Result<Vec<(f64, f64)>> {
     if let Some(path) = &given.file {
-        return Ok(material::read_lobe(&host::of(lua)?.input(path)?, given.column, None)?.points);
+        return Ok(material::read_lobe(
+            &host::of(lua)?.input(path)?,
+            given.column,
+            given.incidence,
+        )?
+        .points);
     }
     let expected = "a list of {angle, value}, or \"file\"";
     let points = given.points.as_ref().ok_or_else(|| missing("fit_lobe", "points", expected))?;

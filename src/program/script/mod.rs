@@ -10,6 +10,7 @@
 
 mod annotations;
 mod cell;
+mod far_field;
 mod fault;
 mod host;
 mod kinds;

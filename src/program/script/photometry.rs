@@ -97,20 +97,24 @@ options! {
     struct GridSaveOptions {
         /// of the lamp
         name: String = Text("a name").or("lamp".to_owned()),
+        /// .ies: the file's date of issue
+        issued: Option<String> = Text("a date").optional("none"),
     }
 }
 
 impl LuaGrid {
     fn save(&self, lua: &Lua, mut arguments: Arguments) -> mlua::Result<()> {
         let path = arguments.text("path")?;
-        let GridSaveOptions { name } = arguments.record()?;
+        let GridSaveOptions { name, issued } = arguments.record()?;
         let target = host::of(lua)?.output(&path)?;
         match target.extension().and_then(|e| e.to_str()) {
             Some("csv") => {
                 let (header, rows) = self.0.table();
                 Ok(output::write_csv(&target, header, rows)?)
             }
-            Some("ies") => Ok(output::write_text(&target, &self.0.to_ies(&name))?),
+            Some("ies") => {
+                Ok(output::write_text(&target, &self.0.to_ies(&name, issued.as_deref())?)?)
+            }
             Some("ldt") => Ok(output::write_text(&target, &self.0.to_eulumdat(&name)?)?),
             _ => {
                 let allowed = "names ending in .csv, .ies or .ldt";

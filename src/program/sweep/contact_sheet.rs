@@ -86,8 +86,7 @@ impl LinearTables {
     fn new(display: &Display) -> Self {
         let full = usize::from(display.full_digit());
         let light = |c: usize| {
-            let curve = &display.curves()[c];
-            (0..=full).map(|digit| curve.light(digit as f64 / full as f64)).collect()
+            (0..=full).map(|digit| display.light(c, digit as f64 / full as f64)).collect()
         };
         Self { full, light: std::array::from_fn(light) }
     }

@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 
 use crate::display::{
-    Camera, Curve, Display, DisplayParameters, Exposure, Gamut, Glare, Look, Toe, Tone,
+    Camera, Curve, Display, DisplayParameters, Exposure, Gamut, Glare, Look, MeasuredCurve, Toe,
+    Tone,
 };
 use crate::spectrum::Spectrum;
 
@@ -123,13 +124,18 @@ fn display_record(display: &Display) -> Value {
         record
     };
     let rows = display.matrix().transpose().to_cols_array_2d();
-    json!({
+    let levels = |curve: &MeasuredCurve| curve.levels().collect::<Vec<_>>();
+    let mut record = json!({
         "name": display.name(),
         "curves": display.curves().iter().map(curve).collect::<Vec<_>>(),
         "matrix": rows,
         "black": <[f64; 3]>::from(display.black()),
         "bits": display.bits(),
-    })
+    });
+    if let Some(measured) = display.measured_curves() {
+        record["levels"] = json!(measured.each_ref().map(levels));
+    }
+    record
 }
 
 /// The display of [`display_record`]; `None` if a field is missing or wrong.
@@ -152,7 +158,15 @@ fn display_from_record(record: &Value) -> Option<Display> {
         black: numbers(record.get("black")?)?.into(),
         bits: u32::try_from(record.get("bits")?.as_u64()?).ok()?,
     };
-    Display::new(parameters).ok()
+    let display = Display::new(parameters).ok()?;
+    let Some(measured) = record.get("levels") else { return Some(display) };
+    Some(display.with_measured_curves(triple(measured.as_array()?.iter().map(levels_curve))?))
+}
+
+fn levels_curve(levels: &Value) -> Option<MeasuredCurve> {
+    let level = |level: &Value| Some((level.get(0)?.as_f64()?, level.get(1)?.as_f64()?));
+    let levels: Option<Vec<(f64, f64)>> = levels.as_array()?.iter().map(level).collect();
+    MeasuredCurve::new("display", &levels?).ok()
 }
 
 fn numbers(value: &Value) -> Option<[f64; 3]> {

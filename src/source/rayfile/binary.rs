@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::input::Input;
-use super::record::{Flaw, Layout, Record};
+use super::record::{Flaw, Layout, Record, check_stray};
 use super::spectral::Tally;
 use super::{FluxUnit, Rays};
 use crate::error::{Place, Result};
@@ -58,6 +58,10 @@ impl Block<'_> {
             self.decode_batch(batch, bytes, &mut tally)
                 .map_err(|(record, flaw)| input.bad_at(Place::Record(record), flaw.to_string()))?;
         }
+        check_stray(input, &tally, Place::Record)?;
+        if tally.dropped > 0 {
+            samples = samples.iter().filter(|sample| !sample.flux.is_nan()).copied().collect();
+        }
         Ok(Rays { samples, tally })
     }
 
@@ -76,8 +80,8 @@ impl Block<'_> {
             .collect();
         for chunk in chunks {
             match chunk {
-                Ok(chunk) => tally.merge(&chunk),
-                Err((index, flaw)) => return Err((tally.rays + index + 1, flaw)),
+                Ok(chunk) => tally.merge(tally.rays + tally.dropped, &chunk),
+                Err((index, flaw)) => return Err((tally.rays + tally.dropped + index + 1, flaw)),
             }
         }
         Ok(())
@@ -108,9 +112,8 @@ impl Block<'_> {
         let rows = words.chunks_exact(self.layout.columns);
         for (index, (sample, row)) in (0..).zip(samples.iter_mut().zip(rows)) {
             let record = self.layout.record(|column| float(row[column]));
-            *sample = record
-                .and_then(|record| tally.add(self.layout, self.unit, record))
-                .map_err(|flaw| (index, flaw))?;
+            let read = record.and_then(|record| tally.add(self.layout, self.unit, record));
+            *sample = read.or_else(|flaw| stray(&mut tally, index, flaw))?;
         }
         Ok(tally)
     }
@@ -127,9 +130,21 @@ impl Block<'_> {
         let (rows, _) = words.as_chunks::<7>();
         for (index, (sample, row)) in (0..).zip(samples.iter_mut().zip(rows)) {
             let [x, y, z, dx, dy, dz, flux] = row.map(f32::from_le_bytes);
-            let record = Record::new([x, y, z], [dx, dy, dz], flux).map_err(|f| (index, f))?;
-            *sample = tally.add_untagged(&record);
+            *sample = match Record::new([x, y, z], [dx, dy, dz], flux) {
+                Ok(record) => tally.add_untagged(&record),
+                Err(flaw) => stray(&mut tally, index, flaw)?,
+            };
         }
         Ok(tally)
     }
+}
+
+/// What marks the place of a stray record until all are read: a flux that is no number.
+#[cold]
+fn stray(tally: &mut Tally, index: u64, flaw: Flaw) -> std::result::Result<RaySample, (u64, Flaw)> {
+    if !flaw.is_stray() {
+        return Err((index, flaw));
+    }
+    tally.drop(index, flaw);
+    Ok(RaySample { position: [0.0; 3], direction: [0.0; 3], flux: f32::NAN })
 }

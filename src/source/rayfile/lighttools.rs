@@ -9,6 +9,7 @@ use super::lines::{Lines, Separator, Table as TextTable};
 use super::record::Layout;
 use super::spectral::Tag;
 use super::{FileSpectrum, FluxUnit, Format, Parsed, Warning, known};
+use crate::columns::DecimalMark;
 use crate::error::Result;
 
 pub(super) const MAGIC: &[u8] = b"LTRF";
@@ -167,6 +168,7 @@ pub(super) fn read_ascii(input: &mut Input) -> Result<Parsed> {
         layout: &layout,
         unit: statement.unit,
         separator: Separator::Blank,
+        decimal: DecimalMark::Point,
         end: Some(END),
     })?;
     let mut parsed = Parsed::new(Format::LightToolsAscii, rays, statement.unit);

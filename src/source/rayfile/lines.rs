@@ -5,9 +5,10 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::input::Input;
-use super::record::Layout;
+use super::record::{Flaw, Layout, check_stray};
 use super::spectral::Tally;
 use super::{FluxUnit, Rays};
+use crate::columns::DecimalMark;
 use crate::error::{Error, Place, Result};
 use crate::light::RaySample;
 
@@ -25,7 +26,10 @@ const LONGEST_LINE: usize = 1 << 16;
 const SEGMENT_RAYS: usize = 1 << 21;
 
 /// The most columns that a text format has.
-const MAX_COLUMNS: usize = 9;
+pub(super) const MAX_COLUMNS: usize = 16;
+
+/// The fewest that a ray has, in a set without start points.
+const FEWEST_COLUMNS: usize = 4;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Separator {
@@ -37,7 +41,12 @@ pub(super) enum Separator {
 impl Separator {
     /// The separator that a row uses.
     pub fn of(line: &[u8]) -> Self {
+        let words = || line.split(u8::is_ascii_whitespace).filter(|cell| !cell.is_empty());
+        // Commas within the words of such a row are decimal marks.
+        let is_row_of_words =
+            words().count() >= FEWEST_COLUMNS && !words().any(|w| w.ends_with(b","));
         match [b';', b','].into_iter().find(|b| line.contains(b)) {
+            Some(b',') if is_row_of_words => Self::Blank,
             Some(byte) => Self::Byte(byte),
             None => Self::Blank,
         }
@@ -58,6 +67,7 @@ pub(super) struct Table<'a> {
     pub layout: &'a Layout,
     pub unit: FluxUnit,
     pub separator: Separator,
+    pub decimal: DecimalMark,
     /// The line that ends the rows, where the format has one.
     pub end: Option<&'static str>,
 }
@@ -144,11 +154,13 @@ impl<'i, 'a> Lines<'i, 'a> {
                 .collect();
             for piece in pieces {
                 segments.append(&piece.samples);
-                tally.merge(&piece.tally);
+                // Lines from 0; that of a fault is from 1.
+                tally.merge(self.number - 1, &piece.tally);
                 self.number += piece.lines;
                 match piece.stop {
                     None => {}
-                    Some(Stop::End) => return Ok(Rays { samples: segments.into_arc(), tally }),
+                    Some(Stop::End) => return self.finished(segments, tally),
+                    Some(Stop::Flaw(flaw)) => return Err(self.bad(flaw.to_string())),
                     Some(Stop::Fault(problem)) => return Err(self.bad(problem)),
                 }
             }
@@ -156,11 +168,18 @@ impl<'i, 'a> Lines<'i, 'a> {
             if last {
                 return match table.end {
                     Some(end) => Err(self.bad(format!("the file ends without \"{end}\""))),
-                    None => Ok(Rays { samples: segments.into_arc(), tally }),
+                    None => self.finished(segments, tally),
                 };
             }
             self.refill()?;
         }
+    }
+}
+
+impl Lines<'_, '_> {
+    fn finished(self, segments: Segments, tally: Tally) -> Result<Rays> {
+        check_stray(self.input, &tally, Place::Line)?;
+        Ok(Rays { samples: segments.into_arc(), tally })
     }
 }
 
@@ -196,6 +215,7 @@ struct Piece {
 
 enum Stop {
     End,
+    Flaw(Flaw),
     Fault(String),
 }
 
@@ -206,6 +226,7 @@ impl Table<'_> {
             if !is_skipped(line) {
                 match self.parse_line(line, &mut piece.tally) {
                     Ok(sample) => piece.samples.push(sample),
+                    Err(Stop::Flaw(flaw)) if flaw.is_stray() => piece.tally.drop(piece.lines, flaw),
                     Err(stop) => {
                         piece.stop = Some(stop);
                         break;
@@ -223,9 +244,7 @@ impl Table<'_> {
         }
         let row = self.numbers(line).map_err(Stop::Fault)?;
         let record = self.layout.record(|column| row[column]);
-        record
-            .and_then(|record| tally.add(self.layout, self.unit, record))
-            .map_err(|flaw| Stop::Fault(flaw.to_string()))
+        record.and_then(|record| tally.add(self.layout, self.unit, record)).map_err(Stop::Flaw)
     }
 
     fn numbers(&self, line: &[u8]) -> std::result::Result<[f32; MAX_COLUMNS], String> {
@@ -233,7 +252,7 @@ impl Table<'_> {
         let mut count = 0;
         for cell in self.separator.split(line) {
             if let Some(place) = row.get_mut(count) {
-                *place = number(cell).ok_or_else(|| {
+                *place = number_with(self.decimal, cell).ok_or_else(|| {
                     let cell = String::from_utf8_lossy(&cell[..cell.len().min(40)]).into_owned();
                     format!("column {} is \"{cell}\", expected a number", count + 1)
                 })?;
@@ -245,6 +264,29 @@ impl Table<'_> {
         }
         Err(format!("a row of {count} numbers, expected {}", self.layout.columns))
     }
+}
+
+/// The decimal mark of a row: commas, where they do not part its cells and no cell has a point.
+pub(super) fn decimal_of(separator: Separator, row: &[u8]) -> DecimalMark {
+    let is_comma =
+        separator != Separator::Byte(b',') && row.contains(&b',') && !row.contains(&b'.');
+    if is_comma { DecimalMark::Comma } else { DecimalMark::Point }
+}
+
+/// A number's cell.
+pub(super) fn number_with(decimal: DecimalMark, cell: &[u8]) -> Option<f32> {
+    /// No number is longer.
+    const LONGEST: usize = 64;
+    if decimal == DecimalMark::Point {
+        return number(cell);
+    }
+    let mut buffer = [0; LONGEST];
+    let point = buffer.get_mut(..cell.len())?;
+    point.copy_from_slice(cell);
+    if let Some(at) = point.iter().position(|&b| b == b',') {
+        point[at] = b'.';
+    }
+    number(point)
 }
 
 pub(super) fn number(cell: &[u8]) -> Option<f32> {

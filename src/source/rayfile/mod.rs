@@ -12,6 +12,7 @@ mod lines;
 mod record;
 mod save;
 mod spectral;
+mod speos;
 mod text;
 mod tm25;
 mod zemax;
@@ -25,6 +26,7 @@ pub use self::save::{SaveFormat, writer};
 
 use self::input::Input;
 use self::spectral::{Table, Tally, luminous_efficacy};
+use crate::columns;
 use crate::error::{Error, Place, Result};
 use crate::light::{RaySample, RaySet};
 use crate::spectrum::Spectrum;
@@ -35,7 +37,9 @@ pub enum Format {
     Csv,
     LightToolsAscii,
     LightToolsBinary,
-    SevenColumns,
+    /// Text without names of its columns.
+    Columns,
+    Speos,
     Tm25,
     ZemaxBinary,
     ZemaxText,
@@ -48,7 +52,8 @@ impl std::fmt::Display for Format {
             Self::Csv => "CSV",
             Self::LightToolsAscii => "LightTools ASCII",
             Self::LightToolsBinary => "LightTools binary",
-            Self::SevenColumns => "text of seven columns",
+            Self::Columns => "text of columns",
+            Self::Speos => "Speos",
             Self::Tm25 => "IES TM-25",
             Self::ZemaxBinary => "Zemax binary",
             Self::ZemaxText => "Zemax text",
@@ -109,6 +114,8 @@ pub enum Warning {
     OriginNotApplied { origin: [f64; 3] },
     /// Rays outside of 380 to 780 nm, which make no light.
     InvisibleRays { rays: u64 },
+    /// Records without a direction, with a negative flux or the like were left out.
+    RaysDropped { rays: u64, flaw: String },
     /// Directions brought to unit length.
     DirectionsNormalized { rays: u64, largest_error: f64 },
     /// A version of the format that was not seen yet, read like the known one.
@@ -135,6 +142,9 @@ impl std::fmt::Display for Warning {
             }
             Self::InvisibleRays { rays } => {
                 write!(f, "{rays} rays have wavelengths outside of 380 to 780 nm and make no light")
+            }
+            Self::RaysDropped { rays, flaw } => {
+                write!(f, "{rays} rays are left out as they are no rays, the first one: {flaw}")
             }
             Self::DirectionsNormalized { rays, largest_error } => write!(
                 f,
@@ -185,27 +195,40 @@ pub fn read(path: &Path) -> Result<RayFile> {
 /// Reads `bytes` bytes; `path` only names them in messages.
 pub fn read_from(path: &Path, reader: &mut dyn Read, bytes: u64) -> Result<RayFile> {
     let mut input = Input::new(path, reader, bytes)?;
-    let parsed = match format_of(input.head()) {
+    if let Some(hint) = columns::hint_of_content(input.head()) {
+        return Err(input.bad(hint));
+    }
+    if matches!(input.head(), [0xff, 0xfe, ..] | [0xfe, 0xff, ..]) {
+        return read_utf16(path, input.take(bytes, "the text")?);
+    }
+    let parsed = match format_of(input.head(), bytes) {
         Some(Format::Asap) => asap::read(&mut input)?,
         Some(Format::Csv) => csv::read(&mut input)?,
         Some(Format::LightToolsAscii) => lighttools::read_ascii(&mut input)?,
         Some(Format::LightToolsBinary) => lighttools::read_binary(&mut input)?,
-        Some(Format::SevenColumns) => text::read(&mut input)?,
+        Some(Format::Columns) => text::read(&mut input)?,
+        Some(Format::Speos) => speos::read(&mut input)?,
         Some(Format::Tm25) => tm25::read(&mut input)?,
         Some(Format::ZemaxBinary) => zemax::read_binary(&mut input)?,
         Some(Format::ZemaxText) => zemax::read_text(&mut input)?,
         None => {
             return Err(input.bad(
-                "not a ray file of a known format (IES TM-25, Zemax, LightTools, ASAP, CSV, or \
-                 rows of seven numbers)",
+                "not a ray file of a known format (IES TM-25, Zemax, LightTools, ASAP, Speos, CSV, \
+                 or rows of seven or eight numbers)",
             ));
         }
     };
     parsed.finish(path, &input)
 }
 
-/// The format that a file's first bytes tell.
-fn format_of(head: &[u8]) -> Option<Format> {
+/// The text again as UTF-8.
+fn read_utf16(path: &Path, bytes: Vec<u8>) -> Result<RayFile> {
+    let text = columns::text_of(path, bytes)?;
+    read_from(path, &mut text.as_bytes(), text.len() as u64)
+}
+
+/// The format that the first bytes of a file of `bytes` bytes tell.
+fn format_of(head: &[u8], bytes: u64) -> Option<Format> {
     if head.starts_with(tm25::MAGIC) {
         return Some(Format::Tm25);
     }
@@ -217,6 +240,9 @@ fn format_of(head: &[u8]) -> Option<Format> {
     }
     if asap::byte_order(head).is_some() {
         return Some(Format::Asap);
+    }
+    if speos::is_speos(head, bytes) {
+        return Some(Format::Speos);
     }
     text_format_of(head)
 }
@@ -233,7 +259,7 @@ fn text_format_of(head: &[u8]) -> Option<Format> {
     } else if zemax::is_text(first) {
         Some(Format::ZemaxText)
     } else {
-        text::is_seven_columns(head).then_some(Format::SevenColumns)
+        text::is_rays(head).then_some(Format::Columns)
     }
 }
 
@@ -349,6 +375,10 @@ impl Parsed {
         }
         if self.unit == FluxUnit::Unstated {
             self.warnings.push(Warning::UnstatedUnit);
+        }
+        if let Some((_, flaw)) = tally.first_dropped {
+            let (rays, flaw) = (tally.dropped, flaw.to_string());
+            self.warnings.push(Warning::RaysDropped { rays, flaw });
         }
         if tally.invisible > 0 {
             self.warnings.push(Warning::InvisibleRays { rays: tally.invisible });

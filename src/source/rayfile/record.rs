@@ -1,6 +1,8 @@
 //! One ray as a row of numbers, checked, whatever the file's encoding.
 
-use super::spectral::{Tag, TagFault};
+use super::input::Input;
+use super::spectral::{Tag, TagFault, Tally};
+use crate::error::{Error, Place};
 use crate::light::RaySample;
 
 /// Where a format keeps what; columns are 0-based and one f32 wide.
@@ -43,6 +45,20 @@ pub(super) enum Flaw {
     Tag(TagFault),
 }
 
+impl Flaw {
+    /// Whether a file may have a few such records: rows of zeros that fill it up, a flux that a
+    /// difference made negative. What is not finite tells of a broken file.
+    pub fn is_stray(self) -> bool {
+        match self {
+            Self::Position(_) => false,
+            Self::Direction(direction) => direction.iter().all(|c| c.is_finite()),
+            Self::Flux(flux) | Self::RadiantFlux(flux) => flux.is_finite(),
+            Self::Tag(TagFault::Wavelength(nm)) => nm.is_finite(),
+            Self::Tag(TagFault::Table { .. }) => false,
+        }
+    }
+}
+
 impl std::fmt::Display for Flaw {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -56,6 +72,24 @@ impl std::fmt::Display for Flaw {
             }
             Self::Tag(fault) => fault.fmt(f),
         }
+    }
+}
+
+/// The largest share of stray records.
+const STRAY_SHARE: f64 = 1e-3;
+
+/// Refuses a file more than 0.1 % of whose records are stray, at the first of them.
+pub(super) fn check_stray(
+    input: &Input,
+    tally: &Tally,
+    place: fn(u64) -> Place,
+) -> Result<(), Error> {
+    let most = STRAY_SHARE * (tally.rays + tally.dropped) as f64;
+    match tally.first_dropped {
+        Some((at, flaw)) if tally.dropped as f64 > most => {
+            Err(input.bad_at(place(at + 1), flaw.to_string()))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -155,6 +155,10 @@ pub(super) struct Tally {
     pub invisible: u64,
     pub off_unit: u64,
     pub largest_direction_error: f64,
+    /// Records that are left out.
+    pub dropped: u64,
+    /// Where the first of them is, by record or line from 0, and why.
+    pub first_dropped: Option<(u64, Flaw)>,
 }
 
 impl Default for Tally {
@@ -168,6 +172,8 @@ impl Default for Tally {
             invisible: 0,
             off_unit: 0,
             largest_direction_error: 0.0,
+            dropped: 0,
+            first_dropped: None,
         }
     }
 }
@@ -242,7 +248,18 @@ impl Tally {
         }
     }
 
-    pub fn merge(&mut self, next: &Self) {
+    /// Leaves out the record at `place`.
+    #[cold]
+    pub fn drop(&mut self, place: u64, flaw: Flaw) {
+        self.dropped += 1;
+        self.first_dropped = self.first_dropped.or(Some((place, flaw)));
+    }
+
+    /// Adds a run that starts at `place`.
+    pub fn merge(&mut self, place: u64, next: &Self) {
+        let first = next.first_dropped.map(|(at, flaw)| (place + at, flaw));
+        self.first_dropped = self.first_dropped.or(first);
+        self.dropped += next.dropped;
         self.rays += next.rays;
         self.flux += next.flux;
         self.sample_flux += next.sample_flux;

@@ -10,6 +10,7 @@ use super::lines::{Lines, Separator, Table as TextTable, number};
 use super::record::Layout;
 use super::spectral::{Table, Tag};
 use super::{FileSpectrum, FluxUnit, Format, Parsed, known};
+use crate::columns::DecimalMark;
 use crate::error::Result;
 
 /// The current identifier, and the one of older files.
@@ -123,7 +124,13 @@ pub(super) fn read_text(input: &mut Input) -> Result<Parsed> {
         _ => (Layout::seven_columns(), FluxUnit::Unstated),
     };
     let layout = Layout { mm_per_unit: header.mm_per_unit, ..layout };
-    let table = TextTable { layout: &layout, unit, separator: Separator::Blank, end: None };
+    let table = TextTable {
+        layout: &layout,
+        unit,
+        separator: Separator::Blank,
+        decimal: DecimalMark::Point,
+        end: None,
+    };
     let rays = lines.read_rows(&table)?;
     if rays.tally.rays != header.rays {
         return Err(input.bad(format!(
