@@ -7,20 +7,18 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use lampyris::color::Photometry;
 use lampyris::geometry::{DVec3, Mesh};
 use lampyris::material::{Lobes, Material, SpecularLobe};
 use lampyris::render::{Quality, Samples, Unwatched, render};
-use lampyris::scene::{
-    Light, MaterialId, MaterialTables, Object, Prepared, Scene, Shadows, SpectralTables,
-};
+use lampyris::scene::{Light, MaterialId, MaterialTables, Object, Prepared, Scene, SpectralTables};
 use lampyris::shading::{TraceLimits, TraceState, Tracer};
 use lampyris::source::{Coil, Filament};
 use lampyris::spectrum::{Bands, Spectrum, WavelengthGrid};
 use lampyris::view::View;
 
 const PASSES: usize = 5;
-const LIMITS: TraceLimits = TraceLimits { max_depth: 8, min_throughput: 1e-3, light_error: 0.01 };
+const LIMITS: TraceLimits =
+    TraceLimits { max_depth: 8, min_throughput: 1e-3, light_error: 0.01, dispersion: 1 };
 
 fn main() {
     let lamp = lamp(100_000).prepare().expect("a good scene");
@@ -111,7 +109,7 @@ fn single_band(all: &SpectralTables) -> SpectralTables {
                 reflectance: pick(&material.reflectance),
                 transmittance: pick(&material.transmittance),
                 absorption_per_mm: pick(&material.absorption_per_mm),
-                ..*material
+                ..material.clone()
             })
             .collect(),
         lights: all.lights.iter().map(pick).collect(),
@@ -189,11 +187,7 @@ fn lamp(samples: usize) -> Scene {
             .collect(),
         materials: vec![aluminium(), red_lens()],
         lights: vec![filament(samples)],
-        background: lampyris::scene::Background::Even(Spectrum::constant(0.0)),
-        ambient: Spectrum::constant(0.0),
-        photometry: Photometry::Relative,
-        shadows: Shadows::Off,
-        interreflection: None,
+        ..Scene::default()
     }
 }
 
@@ -220,17 +214,14 @@ fn aluminium() -> Material {
     Material {
         name: "aluminium".to_owned(),
         reflectance: Spectrum::constant(0.91),
-        transmittance: None,
-        thickness_mm: None,
-        ior: None,
         lobes: Lobes {
             k_d: 0.08,
             n_d: 10.0,
             specular: vec![SpecularLobe { k_s: 0.92, n_s: 1500.0 }],
+            ..Lobes::default()
         },
         k_rg: 0.95,
-        k_tg: 0.0,
-        k_a: 0.0,
+        ..Material::default()
     }
 }
 
@@ -241,11 +232,11 @@ fn red_lens() -> Material {
         reflectance: Spectrum::constant(0.04),
         transmittance: Some(red),
         thickness_mm: Some(3.0),
-        ior: Some(1.49),
+        ior: Some(Spectrum::constant(1.49)),
         lobes: Lobes { n_d: 50.0, ..aluminium().lobes },
         k_rg: 0.05,
         k_tg: 0.95,
-        k_a: 0.0,
+        ..Material::default()
     }
 }
 

@@ -26,27 +26,22 @@ pub fn draw(data: &Path, folder: &Path) -> Result<()> {
     let aluminium = Material {
         name: "aluminium".to_owned(),
         reflectance: Spectrum::constant(0.87),
-        transmittance: None,
-        thickness_mm: None,
-        ior: None,
         lobes: Lobes {
             k_d: 0.1,
             n_d: 10.0,
             specular: vec![SpecularLobe { k_s: 0.9, n_s: 1500.0 }],
+            ..Lobes::default()
         },
         k_rg: 0.95,
-        k_tg: 0.0,
-        k_a: 0.0,
+        ..Material::default()
     };
     let scene = Scene {
         objects: vec![Object { mesh, material: MaterialId(0) }],
         materials: vec![aluminium],
         lights: vec![Light::new(rays, spectrum)],
-        background: lampyris::scene::Background::Even(Spectrum::constant(0.0)),
-        ambient: Spectrum::constant(0.0),
         photometry: Photometry::Absolute,
         shadows: Shadows::On,
-        interreflection: None,
+        ..Scene::default()
     };
     let view = View {
         azimuth_deg: 6.0,

@@ -175,16 +175,20 @@ function Mesh:section(plane) end
 
 ---@class MaterialOptions
 ---@field name? string  for messages
----@field reflectance? Spectrum|number  F_r; 0 to 1; default 0
+---@field reflectance? Spectrum|number  F_r; 0 to 1; default 0, or 1 with `fresnel`
 ---@field transmittance? Spectrum|number  F_t; 0 to 1; default none: opaque
 ---@field thickness? number  F_t is the internal transmittance of this thickness; above 0 mm; default none: F_t at every interface crossed
----@field ior? number  1 to 4; default none: rays go straight through
+---@field ior? Spectrum|number  index of refraction; 1 to 4; default none: rays go straight through
+---@field fresnel? boolean  whether Fresnel's law shares out what is mirrored and what goes on; default false
+---@field n? Spectrum|number  of a metal, with `k`; 0 to 100; default none
+---@field k? Spectrum|number  of a metal, with `n`; 0 to 100; default none
+---@field priority? integer  where bodies overlap, the higher one is there; -1000 to 1000; default 0
 ---@field k_d? number  proportion of the diffuse lobe; 0 to 1; default 0
 ---@field n_d? number  its exponent; 1 is Lambert's; 1 to 1000000; default 1
 ---@field k_s? number|number[]  proportion of the specular lobe, or of several; 0 to 1; default 0
 ---@field n_s? number|number[]  its exponent; 1 to 1000000; default 1
----@field k_rg? number  proportion of the mirrored ray; 0 to 1; default 0
----@field k_tg? number  proportion of the transmitted ray; 0 to 1; default 0
+---@field k_rg? number  proportion of the mirrored ray; 0 to 1; default 0, or 1 with `fresnel`
+---@field k_tg? number  proportion of the transmitted ray; 0 to 1; default 0, or 1 with `fresnel`
 ---@field k_a? number  proportion of the ambient light; 0 to 1; default 0
 
 ---@class Material
@@ -541,7 +545,8 @@ function Environment:spectrum(azimuth, elevation) end
 ---@field background? Spectrum|number|Environment  0 or more; default 0
 ---@field ambient? Spectrum|number  0 or more; default 0
 ---@field photometry? "relative"|"absolute"  default "relative"
----@field shadows? boolean  default false
+---@field shadows? boolean  whether opaque surfaces hide light samples; default false, or true in absolute photometry
+---@field contact? number  surfaces of different objects that are this near are one interface; 0 to 1000 mm; default 0
 ---@field interreflection? InterreflectionOptions  light that surfaces return diffusely lights others; absolute photometry only; default none
 
 ---@class Scene
@@ -578,6 +583,7 @@ function lampyris.view(options) end
 ---@field layers? "lights"|"paths"  parts that the picture keeps: for each light, or direct, mirrored and transmitted light; default none
 ---@field max_depth? integer|"auto"  0 to 10000; default 8
 ---@field min_throughput? number  0 to 1; default 0.001
+---@field dispersion? integer  directions into which a ray splits where ior depends on the wavelength; 1 does not split; 1 to 81; default 1
 ---@field wavelength_step? 5|10|20  nm; default 5
 
 ---@param view View
@@ -590,6 +596,7 @@ function Scene:render(view, quality) end
 ---@field light_error? number  0 to 1; default 0.01
 ---@field max_depth? integer|"auto"  0 to 10000; default 8
 ---@field min_throughput? number  0 to 1; default 0.001
+---@field dispersion? integer  directions into which a ray splits where ior depends on the wavelength; 1 does not split; 1 to 81; default 1
 ---@field wavelength_step? 5|10|20  nm; default 5
 
 ---@class LightCheck
@@ -611,6 +618,7 @@ function Scene:check_light_error(view, options) end
 ---@field y? number  default the middle
 ---@field max_depth? integer|"auto"  0 to 10000; default 8
 ---@field min_throughput? number  0 to 1; default 0.001
+---@field dispersion? integer  directions into which a ray splits where ior depends on the wavelength; 1 does not split; 1 to 81; default 1
 ---@field wavelength_step? 5|10|20  nm; default 5
 
 ---@class PathSegment

@@ -16,11 +16,11 @@ fn even(width: usize, height: usize) -> Environment {
 }
 
 fn diffuse(n_d: f64) -> Lobes {
-    Lobes { k_d: 1.0, n_d, specular: Vec::new() }
+    Lobes { k_d: 1.0, n_d, ..Lobes::default() }
 }
 
 fn specular(n_s: f64) -> Lobes {
-    Lobes { k_d: 0.0, n_d: 1.0, specular: vec![SpecularLobe { k_s: 1.0, n_s }] }
+    Lobes { specular: vec![SpecularLobe { k_s: 1.0, n_s }], ..Lobes::default() }
 }
 
 fn query<'a>(normal: DVec3, view: DVec3, lobes: &'a Lobes) -> HitQuery<'a> {

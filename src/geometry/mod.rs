@@ -1,6 +1,7 @@
 //! Rays, hits, meshes with their normals, OBJ import, the BVH.
 
 pub mod bvh;
+mod closure;
 pub mod import;
 mod measure;
 pub mod mesh;
@@ -10,7 +11,8 @@ pub mod polygon;
 pub mod section;
 mod weld;
 
-pub use bvh::{Bvh, Departure};
+pub use bvh::{Bvh, Departure, FirstHit};
+pub use closure::Closure;
 pub use glam::DVec3;
 pub use mesh::Mesh;
 pub use section::Plane;

@@ -1,8 +1,10 @@
 //! The paper's material (Table 4) and the fitting of its lobes to measured curves.
 
+mod fresnel;
 mod lobe_file;
 mod lobe_fit;
 
+pub use fresnel::{Fresnel, dielectric_reflectance, metal_reflectance};
 pub use lobe_file::{LobeFile, read_lobe};
 pub use lobe_fit::{
     FittedLobe, LobeCount, LobeFit, LobeSpace, LobeTable, Peak, about_peak, fit_lobe,
@@ -23,8 +25,12 @@ pub struct Material {
     /// F_t is the internal transmittance of this thickness, > 0; `None` applies F_t at every
     /// interface crossed.
     pub thickness_mm: Option<f64>,
-    /// 1 to 4; `None` lets rays go straight on.
-    pub ior: Option<f64>,
+    /// n(λ), 1 to 4; `None` lets rays go straight on.
+    pub ior: Option<Spectrum>,
+    /// What decides how much is mirrored, and how much goes on.
+    pub fresnel: Fresnel,
+    /// Of bodies that overlap, the one with the higher priority is there.
+    pub priority: i32,
     pub lobes: Lobes,
     /// Proportions of the mirrored and the transmitted ray and of the ambient light, 0 to 1.
     pub k_rg: f64,
@@ -41,15 +47,34 @@ pub struct Lobes {
     pub n_d: f64,
     /// Only lobes with k_s > 0.
     pub specular: Vec<SpecularLobe>,
+    /// What the specular lobes are about, on the viewer's side.
+    pub shape: LobeShape,
 }
 
-/// k_s (R·V)^n_s.
+/// What a specular lobe measures its angle from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LobeShape {
+    /// (R·V)^n: the mirror direction.
+    #[default]
+    Mirror,
+    /// (N·H)^(4n): N, from the half vector of L and V, as microfacets have it.
+    Half,
+}
+
+/// k_s (R·V)^n_s, or k_s (N·H)^(4 n_s) with [`LobeShape::Half`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpecularLobe {
     /// 0 to 1.
     pub k_s: f64,
     /// 1 to 10⁶.
     pub n_s: f64,
+}
+
+/// Black.
+impl Default for Lobes {
+    fn default() -> Self {
+        Self { k_d: 0.0, n_d: 1.0, specular: Vec::new(), shape: LobeShape::Mirror }
+    }
 }
 
 impl Lobes {
@@ -64,22 +89,79 @@ impl Lobes {
     }
 }
 
+/// Opaque, without lobes, mirroring nothing; its F_r is 1.
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            name: "material".to_owned(),
+            reflectance: Spectrum::constant(1.0),
+            transmittance: None,
+            thickness_mm: None,
+            ior: None,
+            fresnel: Fresnel::Off,
+            priority: 0,
+            lobes: Lobes::default(),
+            k_rg: 0.0,
+            k_tg: 0.0,
+            k_a: 0.0,
+        }
+    }
+}
+
 /// Allowed range of the lobe exponents.
 pub const EXPONENT_RANGE: [f64; 2] = [1.0, 1e6];
 
 impl Material {
-    /// Whether light passes: such surfaces neither block nor attenuate shadow segments.
+    /// Whether light passes: such surfaces never block shadow segments.
     pub fn transmits(&self) -> bool {
         self.k_tg > 0.0 && self.transmittance.is_some()
     }
 
-    /// Errors: a spectrum with values outside of 0 to 1, named with its wavelength.
+    /// Whether a closed mesh of it is a body that rays run in.
+    pub fn is_body(&self) -> bool {
+        self.transmits() && (self.ior.is_some() || self.thickness_mm.is_some())
+    }
+
+    /// Errors: a spectrum with values out of range, named with its wavelength; Fresnel's law
+    /// without the indices that it takes.
     pub fn check(&self) -> Result<()> {
-        check_ratio(&self.name, "reflectance", &self.reflectance)?;
-        match &self.transmittance {
-            Some(transmittance) => check_ratio(&self.name, "transmittance", transmittance),
-            None => Ok(()),
+        self.check_range("reflectance", Some(&self.reflectance), RATIO)?;
+        self.check_range("transmittance", self.transmittance.as_ref(), RATIO)?;
+        self.check_range("ior", self.ior.as_ref(), IOR)?;
+        match &self.fresnel {
+            Fresnel::Off => Ok(()),
+            Fresnel::Dielectric if self.ior.is_some() => Ok(()),
+            Fresnel::Dielectric => {
+                let problem = "\"fresnel\" asks for \"ior\", or for a metal's \"n\" and \"k\"";
+                Err(Error::inconsistent(&self.name, problem))
+            }
+            Fresnel::Metal { n, k } => {
+                self.check_range("n", Some(n), METAL)?;
+                self.check_range("k", Some(k), METAL)
+            }
         }
+    }
+
+    fn check_range(
+        &self,
+        what: &str,
+        spectrum: Option<&Spectrum>,
+        ([low, high], allowed): Allowed,
+    ) -> Result<()> {
+        let Some(spectrum) = spectrum else { return Ok(()) };
+        for (lambda_nm, &value) in spectrum.wavelengths_nm().iter().zip(spectrum.values()) {
+            if !(low..=high).contains(&value) {
+                let what = format!("{what} at {lambda_nm} nm");
+                let hint = if high == 1.0 { ratio_hint(spectrum) } else { "" };
+                return Err(Error::out_of_range(
+                    &self.name,
+                    &what,
+                    value,
+                    format!("{allowed}{hint}"),
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// How an `absolute` scene would get more light from this material than arrives there, if it
@@ -89,8 +171,16 @@ impl Material {
         let f_t = self.transmittance.as_ref().filter(|_| self.k_tg > 0.0);
         let none = Spectrum::constant(0.0);
         let f_t = f_t.unwrap_or(&none);
-        let local = f_r.sum(f_t).max() * self.lobes.total();
-        let global = f_r.scaled(self.k_rg).sum(&f_t.scaled(self.k_tg)).max();
+        let lobes = match self.fresnel {
+            Fresnel::Off => f_r.sum(f_t).max(),
+            Fresnel::Dielectric | Fresnel::Metal { .. } => f_r.max().max(f_t.max()),
+        };
+        let local = lobes * self.lobes.total();
+        let global = match self.fresnel {
+            Fresnel::Off => f_r.scaled(self.k_rg).sum(&f_t.scaled(self.k_tg)).max(),
+            // R and 1 − R share what arrives.
+            Fresnel::Dielectric | Fresnel::Metal { .. } => 0.0,
+        };
         // 1e-9: a sum of proportions such as 0.08 + 0.92 may round above 1.
         let limit = 1.0 + 1e-9;
         if local > limit {
@@ -111,17 +201,6 @@ impl Material {
     }
 }
 
-fn check_ratio(material: &str, what: &str, spectrum: &Spectrum) -> Result<()> {
-    for (lambda_nm, &value) in spectrum.wavelengths_nm().iter().zip(spectrum.values()) {
-        if !(0.0..=1.0).contains(&value) {
-            let what = format!("{what} at {lambda_nm} nm");
-            let allowed = format!("0 to 1{}", ratio_hint(spectrum));
-            return Err(Error::out_of_range(material, &what, value, allowed));
-        }
-    }
-    Ok(())
-}
-
 /// What was likely meant by values outside of 0 to 1.
 fn ratio_hint(spectrum: &Spectrum) -> &'static str {
     const NOISE: f64 = 0.01;
@@ -134,3 +213,11 @@ fn ratio_hint(spectrum: &Spectrum) -> &'static str {
         ""
     }
 }
+/// Allowed range of refractive indices.
+pub const IOR_RANGE: [f64; 2] = [1.0, 4.0];
+
+/// Ranges of spectra, and how messages name them.
+type Allowed = ([f64; 2], &'static str);
+const IOR: Allowed = (IOR_RANGE, "1 to 4");
+const RATIO: Allowed = ([0.0, 1.0], "0 to 1");
+const METAL: Allowed = ([0.0, 100.0], "0 to 100");

@@ -39,6 +39,7 @@ pub const ASKED: Fields<Asked> = Fields {
             of_quality(asked, |q| q.limits.min_throughput)
         }),
         field("light_error", "number", "", |asked| of_quality(asked, |q| q.limits.light_error)),
+        field("dispersion", "integer", "", |asked| of_quality(asked, |q| q.limits.dispersion)),
         field("wavelength_step", "number", "", |asked| of_quality(asked, |q| q.grid.step_nm())),
         field("layers", "\"lights\"|\"paths\"", "", |asked| of_quality(asked, layers)),
         field("target_error", "number", "", |asked| match asked {

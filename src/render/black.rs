@@ -13,7 +13,8 @@ use crate::view::View;
 const RAYS: u32 = 200;
 
 /// Limits that a picture is asked with when its own show nothing.
-const WIDE: TraceLimits = TraceLimits { max_depth: 16, min_throughput: 1e-5, light_error: 0.1 };
+const WIDE: TraceLimits =
+    TraceLimits { max_depth: 16, min_throughput: 1e-5, light_error: 0.1, dispersion: 1 };
 
 /// Why `image`, of this view, holds no light at all; `None` if it does.
 ///

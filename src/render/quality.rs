@@ -22,7 +22,7 @@ impl Default for Quality {
     fn default() -> Self {
         Self {
             samples: Samples::Fixed(4),
-            limits: TraceLimits { max_depth: 8, min_throughput: 1e-3, light_error: 0.01 },
+            limits: TraceLimits::default(),
             grid: WavelengthGrid::Step5,
             layers: Layers::None,
         }
@@ -65,13 +65,20 @@ impl fmt::Display for Quality {
                 write!(f, "samples up to {max} for error {error} over lit pixels")?;
             }
         }
-        let TraceLimits { max_depth, min_throughput, light_error } = self.limits;
+        let TraceLimits { max_depth, min_throughput, light_error, dispersion } = self.limits;
+        let max_depth = match max_depth {
+            TraceLimits::ANY_DEPTH => "auto".to_owned(),
+            depth => depth.to_string(),
+        };
         let step_nm = self.grid.step_nm();
         write!(
             f,
             ", max_depth {max_depth}, min_throughput {min_throughput}, light_error {light_error}, \
              wavelength_step {step_nm}"
         )?;
+        if dispersion > 1 {
+            write!(f, ", dispersion {dispersion}")?;
+        }
         match self.layers {
             Layers::None => Ok(()),
             Layers::Lights => write!(f, ", layers lights"),

@@ -147,6 +147,7 @@ impl Rung {
             max_depth: 8 << self.depth,
             min_throughput: 0.5 * target * 0.1f64.powi(self.depth as i32),
             light_error: Self::LIGHT_ERRORS[self.light],
+            ..TraceLimits::default()
         }
     }
 

@@ -1,5 +1,6 @@
 //! The plain scene, and its preparation for rendering.
 
+mod bodies;
 mod emitters;
 pub mod plausibility;
 mod tables;
@@ -20,8 +21,9 @@ use crate::material::{Lobes, Material};
 use crate::source::Emitter;
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
+pub use bodies::{Surface, SurfaceKind, Surfaces};
 pub use emitters::PreparedEmitter;
-pub use tables::{MaterialTables, SpectralTables, SurroundingsTables};
+pub use tables::{Index, MaterialTables, SpectralTables, SurroundingsTables};
 
 /// Index into [`Scene::materials`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,6 +119,25 @@ pub struct Scene {
     pub photometry: Photometry,
     pub shadows: Shadows,
     pub interreflection: Option<Interreflection>,
+    /// Surfaces of different objects that are this near, mm, are one interface; ≥ 0.
+    pub contact_mm: f64,
+}
+
+/// Nothing, in the dark: relative photometry without shadows.
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            objects: Vec::new(),
+            materials: Vec::new(),
+            lights: Vec::new(),
+            background: Background::Even(Spectrum::constant(0.0)),
+            ambient: Spectrum::constant(0.0),
+            photometry: Photometry::Relative,
+            shadows: Shadows::Off,
+            interreflection: None,
+            contact_mm: 0.0,
+        }
+    }
 }
 
 /// A scene with what rendering needs: built once, used by every view.
@@ -136,6 +157,8 @@ pub struct Prepared {
     blocks: Vec<Arc<[bool]>>,
     /// Per material, the lobes for light from its far side where they differ.
     far_lobes: Vec<Option<Lobes>>,
+    /// What the objects' surfaces are to rays.
+    pub surfaces: Surfaces,
     pub seconds: BuildSeconds,
     /// What `shading::prepare` added for the scene's interreflection.
     pub interreflection: Option<InterreflectionReport>,
@@ -183,6 +206,7 @@ impl Scene {
         let blocks = self.blocks(&opaque, &emitters);
         let beyond_mm = bvh.bounds().map_or(1.0, |(low, high)| 1.0 + 2.0 * low.distance(high));
         let far_lobes = self.materials.iter().map(|material| self.far_lobes(material)).collect();
+        let surfaces = Surfaces::new(&self, &bvh);
         let tables = Default::default();
         let scene = self;
         Ok(Prepared {
@@ -193,6 +217,7 @@ impl Scene {
             emitters,
             blocks,
             far_lobes,
+            surfaces,
             seconds,
             interreflection: None,
             tables,
@@ -307,22 +332,11 @@ fn check_not_negative(what: &str, spectrum: &Spectrum) -> Result<()> {
 mod tests {
     use super::*;
 
-    fn empty() -> Scene {
-        Scene {
-            objects: Vec::new(),
-            materials: Vec::new(),
-            lights: Vec::new(),
-            background: Background::Even(Spectrum::constant(0.5)),
-            ambient: Spectrum::constant(0.0),
-            photometry: Photometry::Relative,
-            shadows: Shadows::Off,
-            interreflection: None,
-        }
-    }
-
     #[test]
     fn spectra_are_resampled_once_for_each_grid() {
-        let prepared = empty().prepare().unwrap();
+        let empty =
+            Scene { background: Background::Even(Spectrum::constant(0.5)), ..Scene::default() };
+        let prepared = empty.prepare().unwrap();
         for grid in WavelengthGrid::ALL {
             let tables = prepared.tables(grid).unwrap();
             assert_eq!(tables.background.as_slice(), vec![0.5; grid.bands()]);

@@ -1,10 +1,8 @@
 //! What can be rendered but was hardly meant: noticed once the scene is prepared.
 
-use std::collections::HashMap;
-
-use crate::geometry::{DVec3, Mesh, Ray};
+use crate::geometry::{DVec3, Ray};
 use crate::light::RaySample;
-use crate::scene::{MaterialId, Prepared, Scene};
+use crate::scene::{Prepared, Scene, SurfaceKind};
 use crate::view::View;
 
 /// Smaller scenes are lamps whose meshes were made in meters, more often than not, mm.
@@ -17,8 +15,8 @@ const AROUND: [DVec3; 6] = [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec
 pub fn of_scene(prepared: &Prepared) -> Vec<String> {
     let mut warnings: Vec<String> = size_warning(prepared).into_iter().collect();
     warnings.extend(unit_warnings(&prepared.scene));
-    let materials = 0..prepared.scene.materials.len();
-    warnings.extend(materials.filter_map(|at| body_warning(prepared, MaterialId(at))));
+    let objects = 0..prepared.scene.objects.len();
+    warnings.extend(objects.filter_map(|at| body_warning(prepared, at)));
     // What bounces lies on surfaces of itself.
     let all = prepared.scene.lights.len();
     let lights = 0..prepared.interreflection.map_or(all, |report| report.first_light);
@@ -29,7 +27,9 @@ pub fn of_scene(prepared: &Prepared) -> Vec<String> {
 /// A warning about where the eye is.
 pub fn of_view(prepared: &Prepared, view: &View) -> Option<String> {
     let eye = view.camera().ray(0.0, 0.0).origin;
-    is_enclosed(prepared, eye, |_| true).then(|| {
+    let is_seen_through =
+        |object: usize| prepared.surfaces.of_object[object].kind != SurfaceKind::Body;
+    is_enclosed(prepared, eye, is_seen_through).then(|| {
         format!(
             "view: the eye, {} mm from its target, is inside a mesh: it sees only back sides",
             view.distance_mm
@@ -91,41 +91,26 @@ fn fits(size: DVec3, others: DVec3, mm: f64) -> bool {
     (0..3).filter(|&axis| axis != narrowest).all(is_alike)
 }
 
-/// `thickness` attenuates between entering and leaving, so that the surfaces of a body have to
-/// close it.
-fn body_warning(prepared: &Prepared, material: MaterialId) -> Option<String> {
-    let scene = &prepared.scene;
-    let given = &scene.materials[material.0];
-    if given.thickness_mm.is_none() || !given.transmits() {
-        return None;
+/// A mesh that is not the body that its material asks for.
+fn body_warning(prepared: &Prepared, object: usize) -> Option<String> {
+    let closure = prepared.surfaces.of_object[object].closure?;
+    let material = &prepared.scene.materials[prepared.scene.objects[object].material.0];
+    let (number, name) = (object + 1, &material.name);
+    let key = if material.thickness_mm.is_some() { "thickness" } else { "ior" };
+    if !closure.is_closed() {
+        return Some(format!(
+            "object {number}, {name}: \"{key}\" asks for a closed body, but {} edges of the mesh bound \
+             a hole or join triangles that face opposite sides; each of its surfaces is taken by \
+             itself, with its front outside",
+            closure.open_edges
+        ));
     }
-    let objects = scene.objects.iter().filter(|object| object.material == material);
-    let mut uses = HashMap::new();
-    objects.for_each(|object| count_edges(&object.mesh, &mut uses));
-    let open = uses.values().filter(|&&count| count % 2 != 0).count();
-    (open > 0).then(|| {
+    (closure.volume_mm3 < 0.0).then(|| {
         format!(
-            "{}: \"thickness\" asks for closed bodies, but {open} edges bound a hole",
-            given.name
+            "object {number}, {name}: the mesh is inside out: its fronts look into the body, so that \
+             rays count as outside where they are inside"
         )
     })
-}
-
-/// Corners by their bits: neighbors that share a corner share it exactly.
-type Corner = [u64; 3];
-
-fn count_edges(mesh: &Mesh, uses: &mut HashMap<[Corner; 2], u32>) {
-    // Adding 0 makes −0 and 0 the same corner.
-    let corner = |index: u32| -> Corner {
-        mesh.positions[index as usize].to_array().map(|v| (v + 0.0).to_bits())
-    };
-    for triangle in &mesh.triangles {
-        let corners = triangle.map(corner);
-        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
-            let (a, b) = (corners[a], corners[b]);
-            *uses.entry([a.min(b), a.max(b)]).or_default() += 1;
-        }
-    }
 }
 
 fn light_warning(prepared: &Prepared, at: usize) -> Option<String> {

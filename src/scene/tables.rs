@@ -3,7 +3,7 @@
 use super::{Background, Scene};
 use crate::environment::{Environment, Luminances, per_lumen};
 use crate::error::Result;
-use crate::material::Material;
+use crate::material::{Fresnel, Material};
 use crate::spectrum::{Bands, Spectrum, WavelengthGrid, cie};
 
 /// Every spectrum of a scene at the bands of one grid; [`super::Prepared::tables`] keeps them.
@@ -60,7 +60,7 @@ impl SurroundingsTables {
 }
 
 /// A material's spectra at the bands of one grid.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct MaterialTables {
     /// F_r(λ).
     pub reflectance: Bands,
@@ -69,10 +69,40 @@ pub struct MaterialTables {
     /// −ln F_t / thickness; zero without `thickness`. Where F_t = 0 it is large enough that any
     /// path leaves nothing, and finite so that a path of length 0 leaves everything.
     pub absorption_per_mm: Bands,
+    /// `ior`.
+    pub index: Option<Index>,
+    /// n and k of a metal.
+    pub metal: Option<[Bands; 2]>,
+    /// Whether it transmits, and not all of it.
+    pub attenuates: bool,
     /// Whether lobes on the viewer's side can return light.
     pub reflects: bool,
     /// Whether lobes on the far side can.
     pub transmits: bool,
+}
+
+/// An index of refraction at the bands of one grid.
+#[derive(Debug, Clone)]
+pub struct Index {
+    /// At [`DIRECTIONS_NM`], which directions follow.
+    pub at_d: f64,
+    /// At every band.
+    pub bands: Bands,
+    /// Whether all wavelengths have the same.
+    pub is_constant: bool,
+}
+
+/// Helium's d line.
+pub const DIRECTIONS_NM: f64 = 587.6;
+
+impl Index {
+    fn new(ior: &Spectrum, grid: WavelengthGrid) -> Self {
+        Self {
+            at_d: ior.at(DIRECTIONS_NM),
+            bands: Bands::from_slice(&ior.on_grid(grid)),
+            is_constant: ior.min() == ior.max(),
+        }
+    }
 }
 
 /// exp(−this · d) is 0 for every distance above 1e-290 mm.
@@ -121,13 +151,21 @@ impl MaterialTables {
                 *absorption = (-f_t.ln() / thickness_mm).min(OPAQUE_PER_MM);
             }
         }
+        let metal = match &material.fresnel {
+            Fresnel::Metal { n, k } => Some([n, k].map(|s| Bands::from_slice(&s.on_grid(grid)))),
+            Fresnel::Off | Fresnel::Dielectric => None,
+        };
         let shines = !material.lobes.is_black();
+        let is_clear = transmittance.as_slice().iter().all(|&f_t| f_t == 1.0);
         Self {
+            attenuates: material.transmits() && !is_clear,
             reflects: shines && !reflectance.is_zero(),
             transmits: shines && material.transmits() && !transmittance.is_zero(),
             reflectance,
             transmittance,
             absorption_per_mm,
+            index: material.ior.as_ref().map(|ior| Index::new(ior, grid)),
+            metal,
         }
     }
 }

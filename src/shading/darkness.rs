@@ -59,7 +59,7 @@ impl Tracer<'_> {
 
     fn note(&self, found: &mut Darkness, branch: &Branch, arrival: &Arrival) {
         let surface = match arrival {
-            Arrival::Missed | Arrival::Emitter(_) => return,
+            Arrival::Missed | Arrival::Passed(..) | Arrival::Emitter(_) => return,
             Arrival::Cut => {
                 found.ended += 1;
                 return;
@@ -69,7 +69,7 @@ impl Tracer<'_> {
         found.hits += 1;
         if branch.kind == RayKind::Camera {
             found.seen += 1;
-            found.backs += usize::from(surface.side == Facing::Back);
+            found.backs += usize::from(surface.facing == Facing::Back);
         }
         let material = &self.prepared.scene.materials[surface.material.0];
         let tables = &self.tables.materials[surface.material.0];
@@ -91,7 +91,7 @@ impl Tracer<'_> {
             let samples = light.rays.samples.iter();
             let step = (light.rays.samples.len() / ASKED_SAMPLES).max(1);
             samples.step_by(step).any(|sample| {
-                let way = surface.departure.point - light.rays.world_origin(sample);
+                let way = surface.near.departure.point - light.rays.world_origin(sample);
                 way.dot(light.rays.world_direction(sample)) > 0.0
             })
         })

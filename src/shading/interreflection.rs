@@ -26,7 +26,8 @@ use crate::spectrum::{Bands, Spectrum, WavelengthGrid};
 const GRID: WavelengthGrid = WavelengthGrid::Step5;
 
 /// Rays between two diffuse returns end as camera rays do, at these limits.
-const LIMITS: TraceLimits = TraceLimits { max_depth: 32, min_throughput: 1e-3, light_error: 0.0 };
+const LIMITS: TraceLimits =
+    TraceLimits { max_depth: 32, min_throughput: 1e-3, light_error: 0.0, dispersion: 1 };
 
 /// Paths that one job follows.
 const PATHS_PER_JOB: usize = 256;
@@ -266,7 +267,8 @@ impl Follower<'_> {
         let mut add = |normal: DVec3, factor: &Bands| {
             let mut share = branch.throughput.clone();
             share.scale_by(k_d, factor);
-            let SurfacePoint { triangle, material, departure, .. } = *surface;
+            let material = surface.material;
+            let super::walk::Leaving { triangle, departure } = surface.near;
             let position = departure.point;
             returns.push(Return {
                 position,
@@ -281,7 +283,7 @@ impl Follower<'_> {
         if k_d > 0.0 && tables.reflects {
             add(surface.normal, &tables.reflectance);
         }
-        if k_d > 0.0 && tables.transmits && surface.side == Facing::Back {
+        if k_d > 0.0 && tables.transmits && surface.facing == Facing::Back {
             add(-surface.normal, &tables.transmittance);
         }
     }
@@ -352,7 +354,7 @@ fn estimated_error(prepared: &Prepared, groups: &Groups) -> Option<f64> {
         return None;
     }
     let halves = [half(0), half(1)];
-    let lobes = Lobes { k_d: 1.0, n_d: 1.0, specular: Vec::new() };
+    let lobes = Lobes { k_d: 1.0, ..Lobes::default() };
     let step = all.len().div_ceil(PROBES);
     let pairs = all.iter().step_by(step).map(|(point, normal, _)| {
         let query = HitQuery {

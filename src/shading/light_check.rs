@@ -67,8 +67,12 @@ impl Tracer<'_> {
 
     fn lit_surfaces(&self, ray: Ray, surfaces: &mut Vec<SurfacePoint>) {
         self.walk(ray, &mut TraceState::default(), |_, arrival, _| match arrival {
-            Arrival::Hit(surface) if self.is_lit(surface) => surfaces.push(*surface),
-            Arrival::Hit(_) | Arrival::Missed | Arrival::Cut | Arrival::Emitter(_) => {}
+            Arrival::Hit(surface) if self.is_lit(surface) => surfaces.push(surface.clone()),
+            Arrival::Hit(_)
+            | Arrival::Passed(..)
+            | Arrival::Missed
+            | Arrival::Cut
+            | Arrival::Emitter(_) => {}
         });
     }
 }

@@ -1,11 +1,8 @@
 //! I_local: the sum over light samples and the ambient term (eq. 2, 9).
 
-use std::cell::Cell;
-
 use super::layers::Origin;
 use super::walk::{Branch, Facing, SurfacePoint};
 use super::{LayeredSum, TraceState, Tracer};
-use crate::geometry::DVec3;
 use crate::light::sum::{HitQuery, LightSum, Visibility};
 use crate::light::tree::LightTree;
 use crate::scene::MaterialTables;
@@ -31,19 +28,28 @@ impl Tracer<'_> {
         if !self.is_lit(surface) {
             return;
         }
+        let shares = self.mirrored_share(surface).map(|share| returned(tables, &share));
+        let [f_r, f_t] = match &shares {
+            Some([f_r, f_t]) => [f_r, f_t],
+            None => [&tables.reflectance, &tables.transmittance],
+        };
         for light in 0..scene.lights.len() {
-            let (answer, shadow_rays) = self.light_sum(light, surface, self.limits.light_error);
-            state.counts.light_sums += 1;
-            state.counts.light_nodes += u64::from(answer.nodes);
-            state.counts.light_samples += u64::from(answer.samples);
-            state.counts.shadow_rays += shadow_rays;
-            let power = &self.tables.lights[light];
-            sum.add(Origin::Light(light), branch.kind, |sum| {
-                add_light(&answer, power, tables, throughput, sum);
+            let shadow_rays = self.each_light_sum(light, surface, |answer, left| {
+                state.counts.light_sums += 1;
+                state.counts.light_nodes += u64::from(answer.nodes);
+                state.counts.light_samples += u64::from(answer.samples);
+                let power = &self.tables.lights[light];
+                let dimmed = left.map(|left| product(throughput, left));
+                let throughput = dimmed.as_ref().unwrap_or(throughput);
+                sum.add(Origin::Light(light), branch.kind, |sum| {
+                    add_light(&answer, power, [f_r, f_t], throughput, sum);
+                });
+                if answer.reflected_error + answer.transmitted_error > 0.0 {
+                    state.luminance_error +=
+                        self.luminance_error(&answer, power, [f_r, f_t], throughput);
+                }
             });
-            if answer.reflected_error + answer.transmitted_error > 0.0 {
-                state.luminance_error += self.luminance_error(&answer, power, tables, throughput);
-            }
+            state.counts.shadow_rays += shadow_rays;
         }
         if self.tables.surroundings.is_some() {
             // Counted once, added to the whole and to a layer.
@@ -63,40 +69,18 @@ impl Tracer<'_> {
         let scene = &self.prepared.scene;
         let tables = &self.tables.materials[surface.material.0];
         HitQuery {
-            point: surface.departure.point,
+            point: surface.near.departure.point,
             normal: surface.normal,
             view: surface.view,
             lobes: &scene.materials[surface.material.0].lobes,
             photometry: scene.photometry,
             reflects: tables.reflects,
-            transmits: tables.transmits && surface.side == Facing::Front,
+            transmits: tables.transmits && surface.facing == Facing::Front,
         }
-    }
-
-    /// The sum over a light's samples, and the shadow rays that it took.
-    pub(super) fn light_sum(
-        &self,
-        light: usize,
-        surface: &SurfacePoint,
-        light_error: f64,
-    ) -> (LightSum, u64) {
-        let query = self.hit_query(surface);
-        let tree = &self.prepared.light_trees[light];
-        if !self.casts_shadows() {
-            return (self.both_sides(tree, &query, (light_error, None), surface), 0);
-        }
-        let shadow_rays = Cell::new(0);
-        let visible = |position: DVec3| {
-            shadow_rays.set(shadow_rays.get() + 1);
-            let from = surface.departure.toward(position - surface.departure.point);
-            let leaving = Some(surface.triangle);
-            !self.prepared.bvh.is_occluded(from, position, leaving, self.prepared.blocks(light))
-        };
-        (self.both_sides(tree, &query, (light_error, Some(&visible)), surface), shadow_rays.get())
     }
 
     /// The sum on both sides, with lobes of its own on the far side where the scene asks for them.
-    fn both_sides(
+    pub(super) fn both_sides(
         &self,
         tree: &LightTree,
         query: &HitQuery,
@@ -122,7 +106,7 @@ impl Tracer<'_> {
         &self,
         answer: &LightSum,
         power: &Bands,
-        tables: &MaterialTables,
+        shares: [&Bands; 2],
         throughput: &Bands,
     ) -> f64 {
         let mut error = Bands::zero(self.tables.bands);
@@ -131,22 +115,35 @@ impl Tracer<'_> {
             transmitted: answer.transmitted_error,
             ..LightSum::default()
         };
-        add_light(&bounds, power, tables, throughput, &mut error);
+        add_light(&bounds, power, shares, throughput, &mut error);
         error.dot(&self.tables.luminance_weights)
     }
 }
 
-/// I_i(λ) Σ …: the scalar sums times spectra.
+/// F_r R and F_t (1 − R): what lobes return under Fresnel's law.
+fn returned(tables: &MaterialTables, share: &Bands) -> [Bands; 2] {
+    let mut passed = Bands::one(share.as_slice().len());
+    passed.as_mut_slice().iter_mut().zip(share.as_slice()).for_each(|(one, r)| *one -= r);
+    [product(&tables.reflectance, share), product(&tables.transmittance, &passed)]
+}
+
+fn product(a: &Bands, b: &Bands) -> Bands {
+    let mut product = a.clone();
+    product.scale_by(1.0, b);
+    product
+}
+
+/// I_i(λ) Σ …: the scalar sums times spectra; `f_r` and `f_t` are what the two sides return.
 fn add_light(
     answer: &LightSum,
     power: &Bands,
-    tables: &MaterialTables,
+    [f_r, f_t]: [&Bands; 2],
     throughput: &Bands,
     sum: &mut Bands,
 ) {
     let sum = sum.as_mut_slice();
     let (power, throughput) = (power.as_slice(), throughput.as_slice());
-    let (f_r, f_t) = (tables.reflectance.as_slice(), tables.transmittance.as_slice());
+    let (f_r, f_t) = (f_r.as_slice(), f_t.as_slice());
     for band in 0..sum.len() {
         let returned = f_r[band] * answer.reflected + f_t[band] * answer.transmitted;
         sum[band] += throughput[band] * power[band] * returned;

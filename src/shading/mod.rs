@@ -8,11 +8,14 @@
 
 mod darkness;
 mod global;
+mod interface;
 mod interreflection;
 mod layers;
 mod light_check;
 mod local;
+mod media;
 mod paths;
+mod shadow;
 mod surroundings;
 mod walk;
 
@@ -24,7 +27,7 @@ pub use paths::{PathEnd, PathSegment};
 pub use walk::RayKind;
 
 use crate::geometry::Ray;
-use crate::scene::{Prepared, Shadows, SpectralTables};
+use crate::scene::{Prepared, SpectralTables};
 use crate::spectrum::Bands;
 use layers::Origin;
 use walk::{Arrival, Branch, EmitterPoint};
@@ -38,6 +41,14 @@ pub struct TraceLimits {
     pub min_throughput: f64,
     /// Bound on the relative error of the sum over light samples; 0 is the exact sum.
     pub light_error: f64,
+    /// Directions into which a ray splits that meets an index n(λ), 1 to 81; 1 does not split.
+    pub dispersion: u32,
+}
+
+impl Default for TraceLimits {
+    fn default() -> Self {
+        Self { max_depth: 8, min_throughput: 1e-3, light_error: 0.01, dispersion: 1 }
+    }
 }
 
 impl TraceLimits {
@@ -57,6 +68,10 @@ pub struct TraceCounts {
     pub light_sums: u64,
     pub light_nodes: u64,
     pub light_samples: u64,
+    /// Rays that ended at `max_depth` with more than a hundredth of their light in some band.
+    pub rays_cut: u64,
+    /// The lowest pair of opaque objects that lie in one place and face a ray alike.
+    pub clash: Option<[usize; 2]>,
 }
 
 impl std::ops::Add for TraceCounts {
@@ -71,6 +86,8 @@ impl std::ops::Add for TraceCounts {
             light_sums: self.light_sums + other.light_sums,
             light_nodes: self.light_nodes + other.light_nodes,
             light_samples: self.light_samples + other.light_samples,
+            rays_cut: self.rays_cut + other.rays_cut,
+            clash: [self.clash, other.clash].into_iter().flatten().min(),
         }
     }
 }
@@ -107,7 +124,7 @@ impl Tracer<'_> {
             Arrival::Missed => sum.add(Origin::Surroundings, branch.kind, |sum| {
                 self.add_background(branch, sum);
             }),
-            Arrival::Cut => {}
+            Arrival::Cut | Arrival::Passed(..) => {}
             Arrival::Hit(surface) => self.add_local(surface, branch, state, sum),
             Arrival::Emitter(point) => self.add_emitted(point, branch, sum),
         });
@@ -123,9 +140,5 @@ impl Tracer<'_> {
         let luminance = emitter.luminance(at.departure.point, at.view);
         arriving.scale_by(luminance, &self.tables.lights[emitter.light]);
         sum.add(Origin::Light(emitter.light), branch.kind, |sum| sum.add(&arriving));
-    }
-
-    fn casts_shadows(&self) -> bool {
-        self.prepared.scene.shadows == Shadows::On
     }
 }

@@ -45,10 +45,15 @@ impl Tracer<'_> {
     fn segment(&self, branch: &Branch, arrival: &Arrival) -> PathSegment {
         let end = match arrival {
             Arrival::Missed | Arrival::Cut => None,
+            Arrival::Passed(from, _) => Some(PathEnd {
+                point: from.departure.point,
+                normal: from.departure.n_geom,
+                object: self.prepared.bvh.locate(from.triangle).0,
+            }),
             Arrival::Hit(surface) => Some(PathEnd {
-                point: surface.departure.point,
+                point: surface.near.departure.point,
                 normal: surface.normal,
-                object: self.prepared.bvh.locate(surface.triangle).0,
+                object: surface.object,
             }),
             Arrival::Emitter(at) => Some(PathEnd {
                 point: at.departure.point,

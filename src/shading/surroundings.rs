@@ -68,9 +68,9 @@ impl Tracer<'_> {
         let shadow_rays = Cell::new(0);
         let sight = |direction: DVec3| {
             shadow_rays.set(shadow_rays.get() + 1);
-            let from = surface.departure.toward(direction);
+            let from = surface.near.departure.toward(direction);
             let target = from + direction * self.prepared.beyond_mm;
-            let leaving = Some(surface.triangle);
+            let leaving = Some(surface.near.triangle);
             !self.prepared.bvh.is_occluded(from, target, leaving, &self.prepared.opaque)
         };
         let largest_error = largest_error.max(SMALLEST_SHADOWED_ERROR);

@@ -1,7 +1,9 @@
 //! The walk through the tree of rays that a camera ray becomes (eq. 1).
 
+use super::interface::Interface;
+use super::media::Media;
 use super::{TraceState, Tracer};
-use crate::geometry::{DVec3, Departure, Hit, Ray, TriangleId};
+use crate::geometry::{DVec3, Departure, Ray, TriangleId};
 use crate::scene::MaterialId;
 use crate::spectrum::Bands;
 
@@ -13,8 +15,10 @@ pub(super) struct Branch {
     pub leaving: Option<TriangleId>,
     /// 0 for the camera ray.
     pub depth: u32,
-    /// The body (material with `thickness`) that the ray runs in.
-    pub body: Option<MaterialId>,
+    /// The bodies that the ray runs in.
+    pub media: Media,
+    /// Which of the groups of bands (`dispersion`) it carries; `None` before it has split.
+    pub group: Option<u32>,
     /// What is left of it in each band, 0 to 1.
     pub throughput: Bands,
 }
@@ -40,24 +44,42 @@ impl Branch {
             kind: RayKind::Camera,
             leaving: None,
             depth: 0,
-            body: None,
+            media: Media::default(),
+            group: None,
             throughput: Bands::one(bands),
         }
     }
 }
 
-/// A hit with its surface's frame: model.md, "V", "N_g, N".
+/// A surface from which rays go on.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct SurfacePoint {
+pub(super) struct Leaving {
     pub triangle: TriangleId,
     /// P, and where the rays that leave it start.
     pub departure: Departure,
+}
+
+/// A hit with its surface's frame: model.md, "V", "N_g, N".
+#[derive(Debug, Clone)]
+pub(super) struct SurfacePoint {
+    /// For rays on V's side.
+    pub near: Leaving,
+    /// For rays that pass.
+    pub far: Leaving,
+    /// Whose material it is.
+    pub object: usize,
     pub material: MaterialId,
-    pub side: Facing,
+    pub facing: Facing,
     /// Unit, on V's side (eq. 3).
     pub normal: DVec3,
     /// V.
     pub view: DVec3,
+    /// Whose indices are on V's side and beyond; `None` is outside.
+    pub indices: [Option<MaterialId>; 2],
+    /// The bodies that a ray which passes is in.
+    pub after: Media,
+    /// Sheets in the same place, through which it passes too.
+    pub filters: Vec<MaterialId>,
 }
 
 /// Which side of the triangle the ray comes from; counter-clockwise winding is the front.
@@ -68,11 +90,13 @@ pub(super) enum Facing {
 }
 
 /// What became of a ray.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) enum Arrival {
     Missed,
     /// Too little is left of it.
     Cut,
+    /// It goes straight on behind a surface that changes nothing but the bodies that it is in.
+    Passed(Leaving, Media),
     Hit(SurfacePoint),
     /// A light's surface, where the ray ends.
     Emitter(EmitterPoint),
@@ -110,62 +134,46 @@ impl Tracer<'_> {
         state: &mut TraceState,
         mut visit: impl FnMut(&Branch, &Arrival, &mut TraceState),
     ) {
-        state.pending.push(first);
+        let media = Media::around(first.ray.origin, self.prepared);
+        state.pending.push(Branch { media, ..first });
         while let Some(mut branch) = state.pending.pop() {
-            let arrival = self.arrive(&mut branch);
+            let arrival = self.arrive(&mut branch, state);
             visit(&branch, &arrival, state);
-            if let Arrival::Hit(surface) = arrival {
-                self.push_children(&surface, branch, state);
+            match arrival {
+                Arrival::Hit(surface) => self.push_children(&surface, branch, state),
+                Arrival::Passed(from, media) => {
+                    branch.ray.origin = from.departure.toward(branch.ray.direction);
+                    branch.leaving = Some(from.triangle);
+                    branch.media = media;
+                    state.pending.push(branch);
+                }
+                Arrival::Missed | Arrival::Cut | Arrival::Emitter(_) => {}
             }
         }
     }
 
-    fn arrive(&self, branch: &mut Branch) -> Arrival {
-        let Some(hit) = self.prepared.bvh.closest_hit(&branch.ray, branch.leaving) else {
+    fn arrive(&self, branch: &mut Branch, state: &mut TraceState) -> Arrival {
+        let reach_mm = self.prepared.surfaces.reach_mm;
+        let first = self.prepared.bvh.first_hit(&branch.ray, branch.leaving, reach_mm);
+        let Some(first) = first else {
             return Arrival::Missed;
         };
-        if let Some(body) = branch.body {
-            let absorption = &self.tables.materials[body.0].absorption_per_mm;
-            branch.throughput.attenuate(absorption, hit.distance_mm);
+        if let Some(object) = branch.media.medium(self.prepared) {
+            let material = self.prepared.surfaces.of_object[object].material;
+            let absorption = &self.tables.materials[material.0].absorption_per_mm;
+            branch.throughput.attenuate(absorption, first.hit.distance_mm);
             if self.is_cut(&branch.throughput) {
                 return Arrival::Cut;
             }
         }
-        self.arrival_at(&branch.ray, hit)
+        match self.interface(branch, first, state) {
+            Interface::Passed { far, after } => Arrival::Passed(far, after),
+            Interface::Met(surface) => Arrival::Hit(surface),
+            Interface::Emitter(point) => Arrival::Emitter(point),
+        }
     }
 
     pub(super) fn is_cut(&self, throughput: &Bands) -> bool {
         throughput.is_below(self.limits.min_throughput)
-    }
-
-    fn arrival_at(&self, ray: &Ray, hit: Hit) -> Arrival {
-        let (object, triangle) = self.prepared.bvh.locate(hit.triangle);
-        let view = -ray.direction;
-        let departure = self.prepared.bvh.departure(&hit);
-        let objects = &self.prepared.scene.objects;
-        let Some(object) = objects.get(object) else {
-            let emitter = object - objects.len();
-            return Arrival::Emitter(EmitterPoint {
-                emitter,
-                triangle: hit.triangle,
-                departure,
-                view,
-            });
-        };
-        let outward = departure.n_geom;
-        let shading = object.mesh.shading_normal(triangle, [hit.u, hit.v], outward);
-        let (side, n_geom, normal) = if outward.dot(view) < 0.0 {
-            (Facing::Back, -outward, -shading)
-        } else {
-            (Facing::Front, outward, shading)
-        };
-        Arrival::Hit(SurfacePoint {
-            triangle: hit.triangle,
-            departure,
-            material: object.material,
-            side,
-            normal: if normal.dot(view) < 0.0 { n_geom } else { normal },
-            view,
-        })
     }
 }

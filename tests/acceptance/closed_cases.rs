@@ -105,7 +105,7 @@ fn snell_and_the_critical_angle() {
     {
         let face = Material {
             transmittance: Some(Spectrum::constant(1.0)),
-            ior: Some(ior),
+            ior: Some(Spectrum::constant(ior)),
             k_tg: 0.9,
             k_rg: 0.1,
             ..material()
@@ -131,7 +131,7 @@ fn beer_and_lambert_along_the_refracted_path() {
         let body = Material {
             transmittance: Some(Spectrum::constant(0.4)),
             thickness_mm: Some(thickness_mm),
-            ior: Some(ior),
+            ior: Some(Spectrum::constant(ior)),
             k_tg: 1.0,
             ..material()
         };

@@ -18,7 +18,7 @@ fn shoot_with_threads(threads: usize, asked: &Asked) -> SpectralImage {
 fn any_number_of_threads_gives_the_same_bits() {
     let adaptive = Quality {
         samples: Samples::Adaptive { min: 2, max: 16, error: 0.02 },
-        limits: TraceLimits { max_depth: 4, min_throughput: 1e-3, light_error: 0.01 },
+        limits: TraceLimits { max_depth: 4, ..TraceLimits::default() },
         ..exact(4)
     };
     let qualities = [exact(4), adaptive].map(Asked::Quality);

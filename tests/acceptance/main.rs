@@ -7,6 +7,7 @@ mod emitters;
 mod example;
 mod goldens;
 mod intensity;
+mod interfaces;
 mod interreflection;
 mod layers;
 mod lens_colors;

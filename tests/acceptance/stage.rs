@@ -4,14 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use lampyris::Result;
-use lampyris::color::Photometry;
 use lampyris::geometry::{DVec3, Mesh};
 use lampyris::image::SpectralImage;
 use lampyris::light::{RaySample, RaySet};
 use lampyris::material::{Lobes, Material, SpecularLobe};
 use lampyris::program::script::{self, Settings};
 use lampyris::render::{Quality, Samples, Unwatched, render};
-use lampyris::scene::{Background, Light, MaterialId, Object, Prepared, Scene, Shadows};
+use lampyris::scene::{Background, Light, MaterialId, Object, Prepared, Scene};
 use lampyris::shading::TraceLimits;
 use lampyris::source::Cylinder;
 use lampyris::spectrum::Spectrum;
@@ -19,25 +18,15 @@ use lampyris::view::View;
 
 /// A black, opaque material to be changed.
 pub fn material() -> Material {
-    Material {
-        name: "material".to_owned(),
-        reflectance: Spectrum::constant(1.0),
-        transmittance: None,
-        thickness_mm: None,
-        ior: None,
-        lobes: Lobes { k_d: 0.0, n_d: 1.0, specular: Vec::new() },
-        k_rg: 0.0,
-        k_tg: 0.0,
-        k_a: 0.0,
-    }
+    Material::default()
 }
 
 pub fn diffuse(k_d: f64, n_d: f64) -> Lobes {
-    Lobes { k_d, n_d, specular: Vec::new() }
+    Lobes { k_d, n_d, ..Lobes::default() }
 }
 
 pub fn specular(k_s: f64, n_s: f64) -> Lobes {
-    Lobes { k_d: 0.0, n_d: 1.0, specular: vec![SpecularLobe { k_s, n_s }] }
+    Lobes { specular: vec![SpecularLobe { k_s, n_s }], ..Lobes::default() }
 }
 
 /// A rectangle about `center`, spanned by two half-edges; its front is the side of u × v.
@@ -68,11 +57,7 @@ pub fn scene(objects: Vec<(Mesh, Material)>, lights: Vec<Light>) -> Scene {
         objects: meshes.into_iter().enumerate().map(object).collect(),
         materials,
         lights,
-        background: Background::Even(Spectrum::constant(0.0)),
-        ambient: Spectrum::constant(0.0),
-        photometry: Photometry::Relative,
-        shadows: Shadows::Off,
-        interreflection: None,
+        ..Scene::default()
     }
 }
 
@@ -128,7 +113,12 @@ pub fn pixel_view(azimuth_deg: f64, distance_mm: f64) -> View {
 pub fn exact(max_depth: u32) -> Quality {
     Quality {
         samples: Samples::Fixed(1),
-        limits: TraceLimits { max_depth, min_throughput: 0.0, light_error: 0.0 },
+        limits: TraceLimits {
+            max_depth,
+            min_throughput: 0.0,
+            light_error: 0.0,
+            ..TraceLimits::default()
+        },
         ..Quality::default()
     }
 }

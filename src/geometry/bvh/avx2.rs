@@ -3,12 +3,12 @@
 use std::arch::asm;
 use std::arch::x86_64::*;
 
-use super::super::{DVec3, Hit, Ray, TriangleId};
+use super::super::{DVec3, Ray, TriangleId};
 use super::Bvh;
 use super::bounds::Frame;
 use super::kernel::{Aim, Kernel};
 use super::probe::{self, CANCELLATION, Crossing, Probe};
-use super::query::Segment;
+use super::query::{FirstHit, Segment};
 use super::walk::LEAST_DIRECTION;
 use super::wide::{CORNERS, LANES, Lanes, Packet, WideNode};
 
@@ -318,8 +318,13 @@ unsafe fn spread<const LANE: i32>(values: __m128) -> __m256 {
 
 /// [`Bvh::closest_with`] compiled for AVX2 and FMA.
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
-pub(super) fn closest(bvh: &Bvh, ray: &Ray, leaving: Option<TriangleId>) -> Option<Hit> {
-    bvh.closest_with::<Avx2>(ray, leaving)
+pub(super) fn closest(
+    bvh: &Bvh,
+    ray: &Ray,
+    leaving: Option<TriangleId>,
+    reach_mm: f64,
+) -> Option<FirstHit> {
+    bvh.closest_with::<Avx2>(ray, leaving, reach_mm)
 }
 
 /// [`Bvh::occluded_with`] compiled for AVX2 and FMA.

@@ -41,6 +41,14 @@ impl Departure {
 }
 
 impl Bvh {
+    /// Surfaces that are this near, mm, cannot be told apart: a ray that leaves one of them starts
+    /// beyond the other. Four lifts, of which a ray's start takes one and rounding half of one.
+    pub fn place_mm(&self) -> f64 {
+        let Some((low, high)) = self.bounds() else { return 0.0 };
+        let farthest = low.abs().max(high.abs()).max_element();
+        4.0 * LIFT * (0.5 * f64::EPSILON) * (farthest + 2.0 * self.radius_mm())
+    }
+
     /// The hit point, interpolated from the corners: off the triangle's plane by less than
     /// 2⁻⁵³ √3 (|P| + 8 edges), whatever the distance of the ray's origin.
     pub fn hit_point(&self, hit: &Hit) -> DVec3 {

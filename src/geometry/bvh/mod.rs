@@ -30,6 +30,7 @@ use crate::simd::Simd;
 use binary::Primitive;
 use bounds::Frame;
 pub use departure::Departure;
+pub use query::FirstHit;
 use wide::Tree;
 
 /// All triangles of a scene, ordered for rays.

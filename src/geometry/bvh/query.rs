@@ -21,16 +21,69 @@ pub(super) struct Segment {
     leaving: Option<TriangleId>,
 }
 
+/// The nearest triangle that a ray meets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FirstHit {
+    /// Where it meets it.
+    pub hit: Hit,
+    /// Whether it meets others that near behind it, see [`Bvh::hits_up_to`].
+    pub has_company: bool,
+}
+
+#[inline(always)]
+fn hit(Crossing { t_mm, u, v }: Crossing, triangle: TriangleId, probe: &Probe) -> Hit {
+    Hit { distance_mm: t_mm + probe.advance_mm, u, v, triangle }
+}
+
 impl Bvh {
     /// The nearest triangle that the ray meets, on either side, but not `leaving`. Of triangles at
     /// exactly the same distance it is that with the lower number.
     pub fn closest_hit(&self, ray: &Ray, leaving: Option<TriangleId>) -> Option<Hit> {
+        self.first_hit(ray, leaving, 0.0).map(|first| first.hit)
+    }
+
+    /// The same, and whether the ray meets other triangles up to `reach_mm` (≥ 0) behind it.
+    #[inline]
+    pub fn first_hit(
+        &self,
+        ray: &Ray,
+        leaving: Option<TriangleId>,
+        reach_mm: f64,
+    ) -> Option<FirstHit> {
         match self.simd {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: `Simd` names these variants only where the processor has the features.
-            Simd::Avx2 | Simd::Avx512 => unsafe { avx2::closest(self, ray, leaving) },
-            _ => self.closest_with::<Portable>(ray, leaving),
+            Simd::Avx2 | Simd::Avx512 => unsafe { avx2::closest(self, ray, leaving, reach_mm) },
+            _ => self.closest_with::<Portable>(ray, leaving, reach_mm),
         }
+    }
+
+    /// All triangles that the ray meets up to `end_mm`, but not `leaving`: the nearest first, and of
+    /// those at exactly the same distance that with the lower number first.
+    pub fn hits_up_to(&self, ray: &Ray, leaving: Option<TriangleId>, end_mm: f64) -> Vec<Hit> {
+        let Some(probe) = self.probe(ray) else { return Vec::new() };
+        let tree_ray = Portable::aim(&probe, &ray.direction, &self.frame);
+        let end = end_mm - probe.advance_mm;
+        let aim = Aim {
+            probe: &probe,
+            leaving: leaving.map_or(NO_TRIANGLE, |triangle| triangle.0),
+            end_mm: to_end_mm(end),
+        };
+        let mut hits = Vec::new();
+        let end_in_frame = self.frame.to_end(end);
+        self.tree.walk::<Portable>(&tree_ray, end_in_frame, |packet| {
+            let mut lanes = Portable::may_meet(packet, &tree_ray, &aim);
+            while lanes != 0 {
+                let lane = walk::take_lane(&mut lanes);
+                let found = Portable::cross(packet, lane, &probe).filter(|c| c.t_mm <= end);
+                let triangle = TriangleId(packet.triangles[lane]);
+                hits.extend(found.map(|crossing| hit(crossing, triangle, &probe)));
+            }
+            ControlFlow::Continue(end_in_frame)
+        });
+        let place = |hit: &Hit| (hit.distance_mm, hit.triangle);
+        hits.sort_by(|a, b| place(a).partial_cmp(&place(b)).expect("distances are finite"));
+        hits
     }
 
     /// Whether a triangle lies strictly between `from` and `target`, of those objects for which
@@ -57,12 +110,14 @@ impl Bvh {
         &self,
         ray: &Ray,
         leaving: Option<TriangleId>,
-    ) -> Option<Hit> {
+        reach_mm: f64,
+    ) -> Option<FirstHit> {
         let probe = self.probe(ray)?;
         let tree_ray = K::aim(&probe, &ray.direction, &self.frame);
         let leaving = leaving.map_or(NO_TRIANGLE, |triangle| triangle.0);
         let mut best = Crossing { t_mm: f64::INFINITY, u: 0.0, v: 0.0 };
         let mut best_triangle = NO_TRIANGLE;
+        let mut has_company = false;
         let mut end = FARTHEST as f32;
         let mut end_mm = f32::INFINITY;
         self.tree.walk::<K>(&tree_ray, end, |packet| {
@@ -72,23 +127,24 @@ impl Bvh {
                 let lane = walk::take_lane(&mut lanes);
                 let triangle = packet.triangles[lane];
                 if let Some(found) = K::cross(packet, lane, &probe)
-                    && (found.t_mm < best.t_mm
-                        || found.t_mm == best.t_mm && triangle < best_triangle)
+                    && found.t_mm <= best.t_mm + reach_mm
                 {
-                    best = found;
-                    best_triangle = triangle;
-                    end = self.frame.to_end(found.t_mm);
-                    end_mm = to_end_mm(found.t_mm);
+                    let is_first = found.t_mm < best.t_mm
+                        || found.t_mm == best.t_mm && triangle < best_triangle;
+                    // Company that is farther than the new one's reach is forgotten.
+                    has_company = !is_first || best.t_mm - found.t_mm <= reach_mm;
+                    if is_first {
+                        best = found;
+                        best_triangle = triangle;
+                        end = self.frame.to_end(found.t_mm + reach_mm);
+                        end_mm = to_end_mm(found.t_mm + reach_mm);
+                    }
                 }
             }
             ControlFlow::Continue(end)
         });
-        (best_triangle != NO_TRIANGLE).then_some(Hit {
-            distance_mm: best.t_mm + probe.advance_mm,
-            u: best.u,
-            v: best.v,
-            triangle: TriangleId(best_triangle),
-        })
+        (best_triangle != NO_TRIANGLE)
+            .then(|| FirstHit { hit: hit(best, TriangleId(best_triangle), &probe), has_company })
     }
 
     #[inline(always)]

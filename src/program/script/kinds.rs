@@ -213,6 +213,47 @@ impl<T: TryFrom<u64> + ToString> Kind for Count<T> {
     }
 }
 
+/// A whole number that may be negative, both ends included.
+pub(super) struct Whole {
+    min: i32,
+    max: i32,
+}
+
+impl Whole {
+    pub(super) const fn new(min: i32, max: i32) -> Self {
+        Self { min, max }
+    }
+}
+
+impl Kind for Whole {
+    type Read = i32;
+
+    fn read(&self, object: &str, what: &str, value: &Value) -> mlua::Result<i32> {
+        let number = options::number(object, what, value, Range::ANY)?;
+        let is_whole = number.fract() == 0.0;
+        if is_whole && (f64::from(self.min)..=f64::from(self.max)).contains(&number) {
+            return Ok(number as i32);
+        }
+        Err(Error::out_of_range(object, what, number, self.expected()).into())
+    }
+
+    fn lua_type(&self) -> String {
+        "integer".to_owned()
+    }
+
+    fn expected(&self) -> String {
+        format!("whole numbers, {} to {}", self.min, self.max)
+    }
+
+    fn allowed(&self) -> String {
+        format!("{} to {}", self.min, self.max)
+    }
+
+    fn shown(&self, value: &i32) -> String {
+        value.to_string()
+    }
+}
+
 /// `true` or `false`.
 pub(super) struct Flag;
 

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use mlua::{IntoLua, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
 
 use super::fault;
-use super::kinds::{Kind, Number, Or, SpectrumOrNumber, Text};
+use super::kinds::{Flag, Kind, Number, Or, SpectrumOrNumber, Text, Whole};
 use super::options::{self, Arguments, Range};
 use super::record::options;
 use crate::error::Error;
-use crate::material::{EXPONENT_RANGE, Lobes, Material, SpecularLobe};
+use crate::material::{EXPONENT_RANGE, Fresnel, LobeShape, Lobes, Material, SpecularLobe};
 use crate::spectrum::Spectrum;
 
 /// Handle of a material.
@@ -21,12 +21,21 @@ options! {
         /// for messages
         name: Option<String> = Text("a name").optional(""),
         /// F_r
-        reflectance: Spectrum = SpectrumOrNumber::new("0 to 1").or(Spectrum::constant(0.0)),
+        reflectance: Option<Spectrum> = SpectrumOrNumber::new("0 to 1").optional("0, or 1 with `fresnel`"),
         /// F_t
         transmittance: Option<Spectrum> = SpectrumOrNumber::new("0 to 1").optional("none: opaque"),
         /// F_t is the internal transmittance of this thickness
         thickness: Option<f64> = Number(Range::above_zero("mm")).optional("none: F_t at every interface crossed"),
-        ior: Option<f64> = Number(Range::new(1.0, 4.0, "")).optional("none: rays go straight through"),
+        /// index of refraction
+        ior: Option<Spectrum> = SpectrumOrNumber::new("1 to 4").optional("none: rays go straight through"),
+        /// whether Fresnel's law shares out what is mirrored and what goes on
+        fresnel: bool = Flag.or(false),
+        /// of a metal, with `k`
+        n: Option<Spectrum> = SpectrumOrNumber::new("0 to 100").optional("none"),
+        /// of a metal, with `n`
+        k: Option<Spectrum> = SpectrumOrNumber::new("0 to 100").optional("none"),
+        /// where bodies overlap, the higher one is there
+        priority: i32 = Whole::new(-1000, 1000).or(0),
         /// proportion of the diffuse lobe
         k_d: f64 = SHARE,
         /// its exponent; 1 is Lambert's
@@ -36,9 +45,9 @@ options! {
         /// its exponent
         n_s: Vec<f64> = OneOrMore(Number(EXPONENT)).or(vec![1.0]),
         /// proportion of the mirrored ray
-        k_rg: f64 = SHARE,
+        k_rg: Option<f64> = Number(Range::RATIO).optional("0, or 1 with `fresnel`"),
         /// proportion of the transmitted ray
-        k_tg: f64 = SHARE,
+        k_tg: Option<f64> = Number(Range::RATIO).optional("0, or 1 with `fresnel`"),
         /// proportion of the ambient light
         k_a: f64 = SHARE,
     }
@@ -55,15 +64,20 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
 fn material(mut arguments: Arguments) -> mlua::Result<LuaMaterial> {
     let given: MaterialOptions = arguments.record()?;
     let specular = specular_lobes(&given)?;
+    let name = given.name.map_or_else(|| "material".to_owned(), |n| format!("material \"{n}\""));
+    let share = if given.fresnel { 1.0 } else { 0.0 };
+    let fresnel = fresnel(&name, given.fresnel, [given.n, given.k])?;
     let material = Material {
-        name: given.name.map_or_else(|| "material".to_owned(), |n| format!("material \"{n}\"")),
-        reflectance: given.reflectance,
+        name,
+        reflectance: given.reflectance.unwrap_or_else(|| Spectrum::constant(share)),
         transmittance: given.transmittance,
         thickness_mm: given.thickness,
         ior: given.ior,
-        lobes: Lobes { k_d: given.k_d, n_d: given.n_d, specular },
-        k_rg: given.k_rg,
-        k_tg: given.k_tg,
+        fresnel,
+        priority: given.priority,
+        lobes: Lobes { k_d: given.k_d, n_d: given.n_d, specular, shape: LobeShape::Mirror },
+        k_rg: given.k_rg.unwrap_or(share),
+        k_tg: given.k_tg.unwrap_or(share),
         k_a: given.k_a,
     };
     if material.thickness_mm.is_some() && material.transmittance.is_none() {
@@ -72,6 +86,24 @@ fn material(mut arguments: Arguments) -> mlua::Result<LuaMaterial> {
     }
     material.check()?;
     Ok(LuaMaterial(Arc::new(material)))
+}
+
+/// Errors: one of `n` and `k` alone, or without `fresnel`.
+fn fresnel(name: &str, is_asked: bool, [n, k]: [Option<Spectrum>; 2]) -> mlua::Result<Fresnel> {
+    match (is_asked, n, k) {
+        (false, None, None) => Ok(Fresnel::Off),
+        (true, None, None) => Ok(Fresnel::Dielectric),
+        (true, Some(n), Some(k)) => Ok(Fresnel::Metal { n, k }),
+        (true, _, _) => {
+            let problem = "a metal has both \"n\" and \"k\"";
+            Err(Error::inconsistent(name, problem).into())
+        }
+        (false, _, _) => {
+            let problem =
+                "\"n\" and \"k\" are a metal's, with \"fresnel\" = true; a body's index is \"ior\"";
+            Err(Error::inconsistent(name, problem).into())
+        }
+    }
 }
 
 /// `k_s` and `n_s` as numbers, or as lists of the same length.

@@ -35,6 +35,8 @@ options! {
         max_depth: u32 = DEPTH.or(Quality::default().limits.max_depth),
         min_throughput: f64 =
             Number(Range::RATIO).or(Quality::default().limits.min_throughput),
+        /// directions into which a ray splits where ior depends on the wavelength; 1 does not split
+        dispersion: u32 = Count::new(1, 81).or(1),
         wavelength_step: WavelengthGrid = STEP.or(Quality::default().grid),
     }
 }
@@ -101,13 +103,14 @@ pub(super) fn warn_of_target(host: &Host, stats: &RenderStats) {
     if let Some(report) = stats.target.filter(|report| !report.is_reached()) {
         host.warn(report.to_string());
     }
+    stats.warnings().into_iter().for_each(|warning| host.warn(warning));
 }
 
 impl TraceOptions {
     /// With the samples of the default.
     pub(super) fn quality(&self, light_error: f64) -> Quality {
-        let Self { max_depth, min_throughput, wavelength_step: grid } = *self;
-        let limits = TraceLimits { max_depth, min_throughput, light_error };
+        let Self { max_depth, min_throughput, dispersion, wavelength_step: grid } = *self;
+        let limits = TraceLimits { max_depth, min_throughput, light_error, dispersion };
         Quality { limits, grid, ..Quality::default() }
     }
 }

@@ -8,12 +8,12 @@ use super::environment::BackgroundKind;
 use super::host::Host;
 use super::image::LuaImage;
 use super::kinds::{
-    Choice, Count, Flag, Handle, Kind, List, Naming, Nested, SpectrumOrNumber, any,
+    Choice, Count, Flag, Handle, Kind, List, Naming, Nested, Number, SpectrumOrNumber, any,
 };
 use super::light::{LuaLight, SEED, samples};
 use super::material::LuaMaterial;
 use super::mesh::LuaMesh;
-use super::options::Arguments;
+use super::options::{Arguments, Range};
 use super::quality::{TraceOptions, asked, light_error, warn_of_target};
 use super::record::{Record, options};
 use super::view::LuaView;
@@ -55,7 +55,10 @@ options! {
             ("relative", Photometry::Relative),
             ("absolute", Photometry::Absolute),
         ]).or(Photometry::Relative),
-        shadows: bool = Flag.or(false),
+        /// whether opaque surfaces hide light samples
+        shadows: Option<bool> = Flag.optional("false, or true in absolute photometry"),
+        /// surfaces of different objects that are this near are one interface
+        contact: f64 = Number(Range::new(0.0, 1000.0, "mm")).or(0.0),
         /// light that surfaces return diffusely lights others; absolute photometry only
         interreflection: Option<InterreflectionOptions> = Nested::new().optional("none"),
     }
@@ -96,12 +99,14 @@ fn new(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
         Light { rays, spectrum: Arc::unwrap_or_clone(spectrum), surface }
     };
     let lights = given.lights.into_iter().map(&mut light).collect();
+    let shadows = given.shadows.unwrap_or(given.photometry == Photometry::Absolute);
     let scene = Scene {
         lights,
         background: given.background,
         ambient: given.ambient,
         photometry: given.photometry,
-        shadows: if given.shadows { Shadows::On } else { Shadows::Off },
+        shadows: if shadows { Shadows::On } else { Shadows::Off },
+        contact_mm: given.contact,
         interreflection: given.interreflection.map(|asked| {
             let InterreflectionOptions { bounces, samples, seed } = asked;
             Interreflection { bounces, samples, seed }

@@ -21,6 +21,7 @@ pub fn of_scene(scene: &Scene) -> Digest {
         photometry,
         shadows,
         interreflection,
+        contact_mm,
     } = scene;
     let mut hasher = Hasher::new();
     // Debug shows every field, and numbers with all their digits.
@@ -32,6 +33,7 @@ pub fn of_scene(scene: &Scene) -> Digest {
     let unnamed = |m: &Material| Material { name: String::new(), ..m.clone() };
     let materials: Vec<Material> = materials.iter().map(unnamed).collect();
     hasher.text(&format!("{materials:?} {background} {ambient:?} {photometry:?} {shadows:?}"));
+    hasher.floats([*contact_mm].into_iter());
     if let Some(interreflection) = interreflection {
         hasher.text(&format!("{interreflection:?}"));
     }
@@ -100,7 +102,6 @@ fn add_rays(hasher: &mut Hasher, rays: &RaySet) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::Photometry;
     use crate::light::RaySample;
     use crate::material::Lobes;
     use crate::scene::{MaterialId, Shadows};
@@ -110,15 +111,9 @@ mod tests {
     fn scene() -> Scene {
         let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y];
         let material = Material {
-            name: "m".to_owned(),
             reflectance: Spectrum::constant(0.5),
-            transmittance: None,
-            thickness_mm: None,
-            ior: None,
-            lobes: Lobes { k_d: 1.0, n_d: 1.0, specular: Vec::new() },
-            k_rg: 0.0,
-            k_tg: 0.0,
-            k_a: 0.0,
+            lobes: Lobes { k_d: 1.0, ..Lobes::default() },
+            ..Material::default()
         };
         let sample = RaySample { position: [0.0; 3], direction: [0.0, 0.0, 1.0], flux: 1.0 };
         Scene {
@@ -132,11 +127,7 @@ mod tests {
                 rays: RaySet::new([sample].into(), 10.0),
                 spectrum: Spectrum::blackbody(2856.0),
             }],
-            background: Background::Even(Spectrum::constant(0.0)),
-            ambient: Spectrum::constant(0.0),
-            photometry: Photometry::Relative,
-            shadows: Shadows::Off,
-            interreflection: None,
+            ..Scene::default()
         }
     }
 

@@ -1,0 +1,194 @@
+//! Light that reaches a hit, and through what: shadows of opaque surfaces, and the shade of those
+//! that transmit.
+//!
+//! In absolute photometry a sample behind surfaces that transmit is attenuated by their F_t,
+//! undeviated. Samples behind the same surfaces share one spectrum: F_t to the power of the
+//! crossings, or of the mean path inside of a body with `thickness`. The light is summed once for
+//! every such set of surfaces, so that each sum keeps the bound on its error.
+
+use std::cell::{Cell, RefCell};
+
+use super::Tracer;
+use super::walk::SurfacePoint;
+use crate::color::Photometry;
+use crate::geometry::{DVec3, Ray};
+use crate::light::sum::{LightSum, Visibility};
+use crate::scene::{Shadows, SurfaceKind};
+use crate::spectrum::Bands;
+
+/// Transmitting surfaces between a hit and light samples.
+#[derive(Debug, Default)]
+struct Veil {
+    /// (object, crossings), ascending; a body with `thickness` has 0 crossings and a path.
+    surfaces: Vec<(usize, u32)>,
+    /// Σ of the paths inside, mm, in the same order, over all samples asked.
+    paths_mm: Vec<f64>,
+    asked: u32,
+}
+
+impl Tracer<'_> {
+    /// A light's sums at a hit, each with what the way there leaves of it, and the shadow rays that
+    /// they took.
+    pub(super) fn each_light_sum(
+        &self,
+        light: usize,
+        surface: &SurfacePoint,
+        mut take: impl FnMut(LightSum, Option<&Bands>),
+    ) -> u64 {
+        if !self.attenuates() {
+            let (sum, shadow_rays) = self.light_sum(light, surface, self.limits.light_error);
+            take(sum, None);
+            return shadow_rays;
+        }
+        let query = self.hit_query(surface);
+        let tree = &self.prepared.light_trees[light];
+        let veils = RefCell::new(vec![Veil::default()]);
+        let shadow_rays = Cell::new(0);
+        let mut at = 0;
+        while at < veils.borrow().len() {
+            let visible = |position: DVec3| {
+                shadow_rays.set(shadow_rays.get() + 1);
+                self.is_free(light, surface, position)
+                    && self.find_veil(surface, position, &mut veils.borrow_mut()) == at
+            };
+            let asked = (self.limits.light_error, Some(&visible as Visibility));
+            let sum = self.both_sides(tree, &query, asked, surface);
+            take(sum, self.left_by(&veils.borrow()[at]).as_ref());
+            at += 1;
+        }
+        shadow_rays.get()
+    }
+
+    /// The sum over a light's samples as if what transmits were not there, and the shadow rays that
+    /// it took.
+    pub(super) fn light_sum(
+        &self,
+        light: usize,
+        surface: &SurfacePoint,
+        light_error: f64,
+    ) -> (LightSum, u64) {
+        let query = self.hit_query(surface);
+        let tree = &self.prepared.light_trees[light];
+        if !self.casts_shadows() {
+            return (self.both_sides(tree, &query, (light_error, None), surface), 0);
+        }
+        let shadow_rays = Cell::new(0);
+        let visible = |position: DVec3| {
+            shadow_rays.set(shadow_rays.get() + 1);
+            self.is_free(light, surface, position)
+        };
+        (self.both_sides(tree, &query, (light_error, Some(&visible)), surface), shadow_rays.get())
+    }
+
+    pub(super) fn casts_shadows(&self) -> bool {
+        self.prepared.scene.shadows == Shadows::On
+    }
+
+    /// Whether surfaces that transmit take light from the samples behind them.
+    fn attenuates(&self) -> bool {
+        self.casts_shadows()
+            && self.prepared.scene.photometry == Photometry::Absolute
+            && (0..self.prepared.surfaces.of_object.len()).any(|object| self.dims(object))
+    }
+
+    /// Whether nothing opaque is in the way.
+    fn is_free(&self, light: usize, surface: &SurfacePoint, position: DVec3) -> bool {
+        let from = surface.near.departure.toward(position - surface.near.departure.point);
+        let leaving = Some(surface.near.triangle);
+        !self.prepared.bvh.is_occluded(from, position, leaving, self.prepared.blocks(light))
+    }
+
+    /// The number of the veil before a sample, a new one if it is not among them.
+    fn find_veil(&self, surface: &SurfacePoint, position: DVec3, veils: &mut Vec<Veil>) -> usize {
+        let here = self.veil(surface, position);
+        let known = veils.iter().position(|veil| veil.surfaces == here.surfaces);
+        let at = known.unwrap_or_else(|| {
+            let (surfaces, paths_mm) = (here.surfaces, vec![0.0; here.paths_mm.len()]);
+            veils.push(Veil { surfaces, paths_mm, asked: 0 });
+            veils.len() - 1
+        });
+        let veil = &mut veils[at];
+        veil.asked += 1;
+        veil.paths_mm.iter_mut().zip(here.paths_mm).for_each(|(sum, path)| *sum += path);
+        at
+    }
+
+    /// What a straight way to a sample crosses. The lobe of light from the far side is measured on
+    /// the whole sheet, so that the rest of the hit's own body is part of it.
+    fn veil(&self, surface: &SurfacePoint, position: DVec3) -> Veil {
+        let start = surface.near.departure.point;
+        let way = position - start;
+        let length_mm = way.length();
+        if length_mm == 0.0 {
+            return Veil::default();
+        }
+        let own = (way.dot(surface.normal) < 0.0).then_some(surface.object);
+        let from = surface.near.departure.toward(way);
+        let ray = Ray { origin: from, direction: way / length_mm };
+        let end_mm = length_mm - self.prepared.bvh.place_mm();
+        let hits = self.prepared.bvh.hits_up_to(&ray, Some(surface.near.triangle), end_mm);
+        let crossings = hits.iter().map(|hit| {
+            let leaves = self.prepared.bvh.departure(hit).n_geom.dot(ray.direction) > 0.0;
+            (self.prepared.bvh.locate(hit.triangle).0, leaves, hit.distance_mm)
+        });
+        let mut crossings: Vec<(usize, bool, f64)> =
+            crossings.filter(|&(object, _, _)| Some(object) != own && self.dims(object)).collect();
+        crossings.sort_by_key(|crossing| crossing.0);
+        let mut veil = Veil::default();
+        for of_object in crossings.chunk_by(|a, b| a.0 == b.0) {
+            let object = of_object[0].0;
+            let material = self.prepared.surfaces.of_object[object].material;
+            let has_path = self.prepared.scene.materials[material.0].thickness_mm.is_some();
+            let count = if has_path { 0 } else { of_object.len() as u32 };
+            let path = if has_path { path_inside(of_object, end_mm) } else { 0.0 };
+            veil.surfaces.push((object, count));
+            veil.paths_mm.push(path);
+        }
+        veil
+    }
+
+    /// Whether a surface takes light from a way through it. That of an open mesh with `thickness`
+    /// does not: it has no inside in which a path could be measured.
+    fn dims(&self, object: usize) -> bool {
+        let Some(surface) = self.prepared.surfaces.of_object.get(object) else { return false };
+        let has_path = self.prepared.scene.materials[surface.material.0].thickness_mm.is_some();
+        self.tables.materials[surface.material.0].attenuates
+            && (surface.kind == SurfaceKind::Body || !has_path)
+    }
+
+    /// What the surfaces leave of light, `None` for all of it.
+    fn left_by(&self, veil: &Veil) -> Option<Bands> {
+        if veil.surfaces.is_empty() {
+            return None;
+        }
+        let mut left = Bands::one(self.tables.bands);
+        for (&(object, count), &path_mm) in veil.surfaces.iter().zip(&veil.paths_mm) {
+            let material = self.prepared.surfaces.of_object[object].material;
+            let tables = &self.tables.materials[material.0];
+            left.attenuate(&tables.absorption_per_mm, path_mm / f64::from(veil.asked.max(1)));
+            for _ in 0..count {
+                left.scale_by(1.0, &tables.transmittance);
+            }
+        }
+        Some(left)
+    }
+}
+
+/// From every entry to the next exit; from the start, or to the end, where one is missing.
+fn path_inside(crossings: &[(usize, bool, f64)], end_mm: f64) -> f64 {
+    let (mut path, mut entered, mut depth) = (0.0, 0.0, u32::from(crossings[0].1));
+    for &(_, leaves, distance) in crossings {
+        if !leaves {
+            if depth == 0 {
+                entered = distance;
+            }
+            depth += 1;
+        } else if depth > 0 {
+            depth -= 1;
+            if depth == 0 {
+                path += distance - entered;
+            }
+        }
+    }
+    if depth > 0 { path + end_mm - entered } else { path }
+}
