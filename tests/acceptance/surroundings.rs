@@ -69,7 +69,7 @@ fn view() -> View {
 fn quality(max_depth: u32) -> Quality {
     Quality {
         samples: Samples::Fixed(1),
-        limits: TraceLimits { max_depth, min_throughput: 1e-6, light_error: 0.01 },
+        limits: TraceLimits { max_depth, min_throughput: 1e-6, ..TraceLimits::default() },
         ..exact(max_depth)
     }
 }
@@ -112,7 +112,7 @@ fn a_mirror_ball_shows_its_surroundings() {
 fn a_glass_ball_shows_its_surroundings() {
     let glass = Material {
         transmittance: Some(Spectrum::constant(1.0)),
-        ior: Some(1.5),
+        ior: Some(Spectrum::constant(1.5)),
         k_tg: 1.0,
         ..material()
     };
