@@ -160,7 +160,7 @@ pub const FAULTS: &[[&str; 3]] = &[
     [
         "reflectance in percent",
         "L.material { reflectance = 91 }",
-        "material: reflectance at 560 nm is 91, allowed: 0 to 1",
+        "material: reflectance at 560 nm is 91, allowed: 0 to 1: percent? then say so in the file's header (\"%\"), or take s * 0.01",
     ],
     [
         "reflectance as text",
@@ -280,7 +280,7 @@ pub const FAULTS: &[[&str; 3]] = &[
     [
         "ray file that is none",
         "L.rayset.load 'words.csv'",
-        "words.csv: not a ray file of a known format (IES TM-25, Zemax, LightTools, ASAP, CSV, or rows of seven numbers)",
+        "words.csv: not a ray file of a known format (IES TM-25, Zemax, LightTools, ASAP, Speos, CSV, or rows of seven or eight numbers)",
     ],
     [
         "ray file without a spectrum",
