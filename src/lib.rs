@@ -19,7 +19,8 @@
 //! | scene | [`geometry`] | rays, hits, meshes and their normals, mesh files, the BVH |
 //! | | [`material`] | what a surface does with light, and lobes fitted to measured curves |
 //! | | [`light`] | what a hit asks of light: ray sets, the exact sum, the tree |
-//! | | [`source`] | where light comes from: ray files, filaments, bulbs |
+//! | | [`source`] | where light comes from: ray files, filaments, bulbs, emitters |
+//! | | [`environment`] | what surrounds the scene: pictures, skies, the sun |
 //! | | [`view`], [`scene`] | pixel to ray; the plain scene, and its preparation |
 //! | picture | [`shading`] | what a ray brings back: local and global terms |
 //! | | [`image`], [`render`] | spectra of pixels; samples, tiles, errors (no physics) |
@@ -45,7 +46,7 @@
 //! three axes. [`view::Camera::ray`] makes the ray of an image position from them. Nothing after
 //! that knows angles.
 //!
-//! *A ray's radiance.* [`render`] takes a camera ray for each sample of a pixel, and
+//! *A ray's radiance.* [`mod@render`] takes a camera ray for each sample of a pixel, and
 //! [`shading::Tracer`] follows it. At each hit the light trees answer one sum for all bands
 //! ([`light::LightTree`]), which material and light spectra turn into radiance. Mirrored and
 //! transmitted rays go on with what is left of the throughput. A ray that hits nothing adds the
