@@ -151,7 +151,13 @@ impl Material {
         let Some(spectrum) = spectrum else { return Ok(()) };
         for (lambda_nm, &value) in spectrum.wavelengths_nm().iter().zip(spectrum.values()) {
             if !(low..=high).contains(&value) {
-                let what = format!("{what} at {lambda_nm} nm");
+                // A number that stands for all wavelengths has none of its own.
+                let is_number = spectrum.values().len() == 1 && high != 1.0;
+                let what = if is_number {
+                    format!("\"{what}\"")
+                } else {
+                    format!("{what} at {lambda_nm} nm")
+                };
                 let hint = if high == 1.0 { ratio_hint(spectrum) } else { "" };
                 return Err(Error::out_of_range(
                     &self.name,

@@ -27,8 +27,13 @@ pub fn of_scene(prepared: &Prepared) -> Vec<String> {
 /// A warning about where the eye is.
 pub fn of_view(prepared: &Prepared, view: &View) -> Option<String> {
     let eye = view.camera().ray(0.0, 0.0).origin;
-    let is_seen_through =
-        |object: usize| prepared.surfaces.of_object[object].kind != SurfaceKind::Body;
+    let is_seen_through = |object: usize| {
+        prepared
+            .surfaces
+            .of_object
+            .get(object)
+            .is_none_or(|surface| surface.kind != SurfaceKind::Body)
+    };
     is_enclosed(prepared, eye, is_seen_through).then(|| {
         format!(
             "view: the eye, {} mm from its target, is inside a mesh: it sees only back sides",

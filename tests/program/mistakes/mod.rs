@@ -67,7 +67,7 @@ const WARNINGS: &[[&str; 3]] = &[
     [
         "open body with a thickness",
         "L.scene { objects = { { mesh = triangle, material = L.material { transmittance = 0.9, k_tg = 1, thickness = 3 } } }, background = 1 }:render(view)",
-        "material: \"thickness\" asks for closed bodies, but 3 edges bound a hole",
+        "object 1, material: \"thickness\" asks for a closed body, but 3 edges of the mesh bound a hole or join triangles that face opposite sides; each of its surfaces is taken by itself, with its front outside",
     ],
     [
         "eye inside a mesh",

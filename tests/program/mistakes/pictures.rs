@@ -35,7 +35,7 @@ pub const FAULTS: &[[&str; 3]] = &[
     [
         "unknown quality",
         "scene:render(view, { spp = 4 })",
-        "scene:render: unknown key \"spp\" (keys: layers, light_error, max_depth, min_throughput, samples, target_error, wavelength_step)",
+        "scene:render: unknown key \"spp\" (keys: dispersion, layers, light_error, max_depth, min_throughput, samples, target_error, wavelength_step)",
     ],
     [
         "region outside of the image",
