@@ -10,6 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use lampyris::Error;
 use lampyris::display::{Display, Exposure, Look};
+use lampyris::output;
 use lampyris::program::develop::develop_files;
 use lampyris::program::progress::Verbosity;
 use lampyris::program::script::{self, ScriptFault, Settings};
@@ -209,6 +210,9 @@ impl RunOptions {
         if let Err(message) = use_threads(self.threads) {
             eprintln!("lampyris: {message}");
             return ExitCode::from(FAILED);
+        }
+        if let Err(error) = output::confine(&self.out) {
+            return exit_code(Err(error));
         }
         let verbosity = match (self.log, self.quiet) {
             (Log::Json, _) => Verbosity::Json,

@@ -274,6 +274,8 @@ fn hits(light: DVec3, size: f64, n_s: f64, random: &mut Random, count: usize) ->
 /// Largest ratio of true to estimated error, after checking each hit.
 fn check(name: &str, set: &RaySet, light: DVec3, size: f64, count: usize) -> f64 {
     let tree = LightTree::build(set);
+    let from_light = |sample| set.world_origin(sample).distance(light);
+    let reach = set.samples.iter().map(from_light).fold(0.0, f64::max);
     let mut random = Random(11);
     let mut worst = 0.0f64;
     for n_s in [20.0, 1500.0, 1e6] {
@@ -287,7 +289,8 @@ fn check(name: &str, set: &RaySet, light: DVec3, size: f64, count: usize) -> f64
                         let sum = tree.sum(&query, light_error, None);
                         let what =
                             format!("{name} {n_d} {n_s} {photometry:?} {light_error} {hit:?}");
-                        let dark = 1e-13 * brightest(&query, light, size);
+                        let beam = (set.exponent + 1.0) / 2.0;
+                        let dark = 1e-13 * beam * brightest(&query, light, size.min(reach));
                         let ratio = check_sides(&sum, &exact, light_error, dark, &what);
                         worst = worst.max(ratio);
                     }

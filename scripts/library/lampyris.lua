@@ -884,7 +884,6 @@ local Display = {}
 ---@field gain? number[]  k_g of red, green, blue; above 0; default {1, 1, 1}
 ---@field offset? number[]  k_o; default {0, 0, 0}
 ---@field gamma? number[]  above 0; default {2.2, 2.2, 2.2}
----@field matrix number[][]  cd/m²
 ---@field black? number[]  {X, Y, Z}; 0 or more cd/m²; default {0, 0, 0}
 ---@field matrix number[][]  cd/m²
 ---@field bits? integer  of a channel; 1 to 16; default 8

@@ -53,7 +53,7 @@ impl Question<'_> {
         let is_dark = |light: &Light| light.rays.samples.is_empty() || light.rays.flux_lm <= 0.0;
         if scene.ambient.max() <= 0.0 && scene.lights.iter().all(is_dark) {
             let what = if scene.lights.is_empty() { "no lights" } else { "only lights of 0 lm" };
-            return Some(format!("the scene has {what}, and neither ambient light nor background"));
+            return Some(format!("the scene has {what}, and no ambient light"));
         }
         self.of_view()
     }

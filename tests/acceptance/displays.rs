@@ -4,6 +4,15 @@ use lampyris::color::Xyz;
 use lampyris::color::signal::SignalColor;
 use lampyris::display::{Display, Gamut, GamutMap};
 
+/// Whether a place lies in a convex polygon.
+fn is_between(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+    let side = |at: usize| {
+        let ([ax, ay], [bx, by]) = (corners[at], corners[(at + 1) % corners.len()]);
+        (bx - ax) * (y - ay) - (by - ay) * (x - ax) >= 0.0
+    };
+    (1..corners.len()).all(|at| side(at) == side(0))
+}
+
 /// Share of a color's area in xy that `display` shows without clipping, in percent.
 fn share_shown(color: SignalColor, display: &Display) -> f64 {
     // Where the display is far from its black and its white.
@@ -22,7 +31,8 @@ fn share_shown(color: SignalColor, display: &Display) -> f64 {
             range.start + (range.end - range.start) * (step as f64 + 0.5) / STEPS as f64
         };
         let xy = [place(&x_range, at % STEPS), place(&y_range, at / STEPS)];
-        if color.contains(xy) {
+        // The regulation's lines are open where the locus of pure colors bounds its corners.
+        if is_between(corners, xy) {
             inside += 1;
             let (_, report) = map.map(Xyz::from_xy(xy, luminance));
             shown += usize::from(report.outside() == 0);

@@ -47,10 +47,7 @@ fn a_lit_picture_is_not_explained() {
 fn each_reason_is_told() {
     let square = || square(0.0, 10.0);
     let dark = Scene { lights: Vec::new(), ..with(square(), white(), lamp()) };
-    assert_eq!(
-        reason(dark),
-        "the picture is black: the scene has no lights, and neither ambient light nor background"
-    );
+    assert_eq!(reason(dark), "the picture is black: the scene has no lights, and no ambient light");
     let away = point_light(DVec3::new(0.0, 0.0, 50.0), DVec3::Z, 100.0);
     assert!(reason(with(square(), white(), away)).contains("all light samples face away"));
     let behind = point_light(DVec3::new(0.0, 0.0, -50.0), DVec3::Z, 100.0);

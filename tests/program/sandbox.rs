@@ -324,13 +324,6 @@ fn the_state_is_closed() {
 }
 
 #[test]
-fn memory_has_a_limit_by_itself() {
-    let bench = Bench::new();
-    let message = bench.fail_script("local s = ('x'):rep(1 << 40)");
-    assert_eq!(message, "script: out of memory\n");
-}
-
-#[test]
 fn random_numbers_repeat() {
     let bench = Bench::new();
     bench.write("script.lua", "print(math.random(1e9), math.random())");

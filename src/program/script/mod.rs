@@ -50,8 +50,6 @@ use std::path::Path;
 
 use mlua::{Lua, Table};
 
-use crate::output;
-
 pub use annotations::describe_options;
 pub use fault::ScriptFault;
 pub use host::{Host, Settings};
@@ -76,7 +74,6 @@ pub fn run(script: &Path, settings: Settings) -> Result<(), ScriptFault> {
 
 /// A sandboxed state with the module `lampyris` ready to be required.
 fn state(script: &Path, settings: Settings) -> Result<Lua, ScriptFault> {
-    output::confine(&settings.out)?;
     let lua = sandbox::new_state()?;
     let host = Host::new(script, settings);
     sandbox::limit(&lua, &host)?;

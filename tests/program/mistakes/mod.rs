@@ -56,12 +56,12 @@ const WARNINGS: &[[&str; 3]] = &[
     ],
     [
         "one part in meters",
-        "L.scene { objects = { { mesh = cube:transform { scale = 50 }, material = paper }, { mesh = cube:transform { scale = 0.05 }, material = paper } }, background = 1 }:render(L.view { distance = 900, width = 8, height = 8 })",
+        "L.scene { objects = { { mesh = cube:transform { scale = 50 }, material = paper }, { mesh = cube:transform { scale = 0.05 }, material = paper } }, background = 1 }:render(L.view { distance = 3000, width = 8, height = 8 })",
         "scene: object 2 is 0.100 mm across among objects of 100 mm: is it in m? unit = \"m\" (factor 1000) makes it 100 mm",
     ],
     [
         "one part in inches",
-        "L.scene { objects = { { mesh = cube:transform { scale = 50.8 }, material = paper }, { mesh = cube:transform { scale = 2, translate = { 9, 0, 0 } }, material = paper } }, background = 1 }:render(L.view { distance = 900, width = 8, height = 8 })",
+        "L.scene { objects = { { mesh = cube:transform { scale = 50.8 }, material = paper }, { mesh = cube:transform { scale = 2, translate = { 9, 0, 0 } }, material = paper } }, background = 1 }:render(L.view { distance = 3000, width = 8, height = 8 })",
         "scene: object 2 is 4.000 mm across among objects of 102 mm: is it in inch? unit = \"inch\" (factor 25.4) makes it 102 mm",
     ],
     [
@@ -82,7 +82,7 @@ const WARNINGS: &[[&str; 3]] = &[
     [
         "scene without light",
         "L.scene { objects = { { mesh = triangle, material = paper } } }:render(view)",
-        "the picture is black: the scene has no lights, and neither ambient light nor background",
+        "the picture is black: the scene has no lights, and no ambient light",
     ],
     [
         "objects smaller than a pixel",

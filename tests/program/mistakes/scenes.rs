@@ -75,7 +75,7 @@ pub const FAULTS: &[[&str; 3]] = &[
     [
         "misspelt function",
         "L.veiw {}",
-        "lampyris: unknown key \"veiw\", did you mean \"view\"? (keys: bulb, camera, cylinder, display, emitter, figure, filament, fit_lobe, image, material, mesh, photometry, rayset, read, scene, spectrum, sweep, version, view, write)",
+        "lampyris: unknown key \"veiw\", did you mean \"view\"? (keys: bulb, camera, cylinder, display, emitter, environment, figure, filament, fit_lobe, image, material, mesh, photometry, rayset, read, scene, spectrum, study, sweep, version, view, write)",
     ],
     [
         "misspelt function of a table",
