@@ -27,6 +27,8 @@ struct CommandLine {
     command: Command,
 }
 
+// One at a time, never in a list: a box would cost more than the room.
+#[allow(clippy::large_enum_variant)]
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Run a Lua script
@@ -180,11 +182,18 @@ fn main() -> ExitCode {
     }
 }
 
+/// What a panic says, if it is text.
+fn said<'a>(panic: &'a std::panic::PanicHookInfo<'_>) -> Option<&'a str> {
+    let payload = panic.payload();
+    let text = payload.downcast_ref::<&str>().copied();
+    text.or_else(|| payload.downcast_ref::<String>().map(String::as_str))
+}
+
 /// One line in place of Rust's. Unwinding ends the program then, with exit status 101, and removes
 /// what was being written.
 fn report_bug(panic: &std::panic::PanicHookInfo<'_>) {
     use std::io::Write;
-    let problem = panic.payload_as_str().unwrap_or("no message").replace('\n', " ");
+    let problem = said(panic).unwrap_or("no message").replace('\n', " ");
     let place = panic.location().map_or_else(String::new, |place| format!(" ({place})"));
     let line = format!("lampyris: a bug, please report it with what led here: {problem}{place}\n");
     let _ = std::io::stderr().write_all(line.as_bytes()); // there is nobody else to tell

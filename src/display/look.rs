@@ -116,6 +116,8 @@ pub struct Latent {
     glare: Option<GlareReport>,
 }
 
+// One at a time, never in a list: a box would cost more than the room.
+#[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone)]
 enum Observed {
     /// Behind the eye's optics.

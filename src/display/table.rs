@@ -197,6 +197,7 @@ mod tests {
         let levels = [0.0, 51.0, 102.0, 153.0, 204.0, 255.0];
         let channels =
             [("Red", [1.0, 0.0, 0.0]), ("Green", [0.0, 1.0, 0.0]), ("Blue", [0.0, 0.0, 1.0])];
+        #[allow(clippy::type_complexity)] // said once
         let rows = |row: &dyn Fn(&str, f64, [f64; 3], Xyz) -> String| -> String {
             let of = |(name, mask): (&str, [f64; 3])| -> String {
                 levels

@@ -157,7 +157,7 @@ mod tests {
     fn box_of_sides(cells: [usize; 6], jitter: f64) -> Mesh {
         let side = |at: usize| {
             let axis = at / 2;
-            let (n, sign) = (cells[at], if at % 2 == 0 { 1.0 } else { -1.0 });
+            let (n, sign) = (cells[at], if at.is_multiple_of(2) { 1.0 } else { -1.0 });
             let points = (0..(n + 1) * (n + 1)).map(|k| {
                 let unit = |i: usize| i as f64 / n as f64 - 0.5;
                 let mut p = [0.0; 3];

@@ -52,7 +52,7 @@ pub fn write_tiff(path: &Path, raster: &Raster) -> Result<()> {
 /// Errors: as [`write_tiff`].
 pub fn write_float_tiff(path: &Path, image: &SpectralImage) -> Result<()> {
     let pixels = image.to_xyz().pixels;
-    let values = pixels.into_iter().flat_map(|color| rec709_from_xyz(color));
+    let values = pixels.into_iter().flat_map(rec709_from_xyz);
     let bytes: Vec<u8> = values.flat_map(|value| (value as f32).to_ne_bytes()).collect();
     write_tiff_bytes(path, &bytes, [image.width, image.height], ExtendedColorType::Rgb32F)
 }

@@ -192,6 +192,7 @@ mod tests {
                     }
                 }
             }
+            #[allow(clippy::needless_range_loop)] // four arrays side by side
             for x in 0..width {
                 let scale = 2f64.powi(i32::from(parts[3][x]) - 128 - 8);
                 let value = |c: usize| (f64::from(parts[c][x]) + 0.5) * scale;

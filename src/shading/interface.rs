@@ -7,6 +7,8 @@ use crate::geometry::{DVec3, FirstHit, Hit, Ray, TriangleId};
 use crate::scene::{MaterialId, SurfaceKind};
 
 /// What a ray finds where it meets surfaces.
+// One at a time, never in a list: a box would cost more than the room.
+#[allow(clippy::large_enum_variant)]
 pub(super) enum Interface {
     /// Nothing that changes its way: bonded bodies, or bodies that a stronger one fills.
     Passed { far: Leaving, after: Media },

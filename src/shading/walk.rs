@@ -90,6 +90,8 @@ pub(super) enum Facing {
 }
 
 /// What became of a ray.
+// One at a time, never in a list: a box would cost more than the room.
+#[allow(clippy::large_enum_variant)]
 #[derive(Debug, Clone)]
 pub(super) enum Arrival {
     Missed,

@@ -12,7 +12,7 @@ impl Spectrum {
             .wavelengths_nm()
             .map(|lambda_nm| (lambda_nm, planck_relative(lambda_nm, temperature_k)));
         let (lambda_nm, values) = rows.unzip();
-        Self::from_sorted(lambda_nm, values).as_light()
+        Self::from_sorted(lambda_nm, values).into_light()
     }
 }
 

@@ -53,11 +53,11 @@ pub fn illuminant(name: &str) -> Option<Spectrum> {
     let csv = match name {
         "A" => ILLUMINANT_A_CSV,
         "D65" => ILLUMINANT_D65_CSV,
-        "E" => return Some(Spectrum::constant(1.0).as_light()),
+        "E" => return Some(Spectrum::constant(1.0).into_light()),
         _ => return None,
     };
     let rows = embedded_rows(csv).map(|cells| (cells[0], cells[1]));
-    Spectrum::from_pairs(name, rows).ok().map(|s| s.normalized_at(560.0).as_light())
+    Spectrum::from_pairs(name, rows).ok().map(|s| s.normalized_at(560.0).into_light())
 }
 
 /// Names that [`illuminant`] knows.

@@ -52,7 +52,7 @@ impl Spectrum {
     }
 
     /// The same table, known to be a light's: in products the other one is held constant.
-    pub(super) fn as_light(self) -> Self {
+    pub(super) fn into_light(self) -> Self {
         Self { origin: Origin::Light, ..self }
     }
 
@@ -191,12 +191,12 @@ impl Spectrum {
     #[must_use]
     pub fn product(&self, other: &Self) -> Self {
         let product = |l: f64| self.at(l) * other.at(l);
-        let as_light = |l: f64| match (self.origin, other.origin) {
+        let into_light = |l: f64| match (self.origin, other.origin) {
             (Origin::Light, Origin::Unknown) => self.light_at(l) * other.at(l),
             (Origin::Unknown, Origin::Light) => self.at(l) * other.light_at(l),
             _ => self.light_at(l) * other.light_at(l),
         };
-        self.combined(other, product, as_light)
+        self.combined(other, product, into_light)
     }
 
     /// `f` of the value at every wavelength of this table and at the 5 nm bands within it.
@@ -211,11 +211,11 @@ impl Spectrum {
         &self,
         other: &Self,
         f: impl Fn(f64) -> f64,
-        as_light: impl Fn(f64) -> f64,
+        into_light: impl Fn(f64) -> f64,
     ) -> Self {
         let lambda_nm = union_with_bands(&self.lambda_nm, &other.lambda_nm);
         let values: Vec<f64> = lambda_nm.iter().map(|&l| f(l)).collect();
-        let light: Vec<f64> = lambda_nm.iter().map(|&l| as_light(l)).collect();
+        let light: Vec<f64> = lambda_nm.iter().map(|&l| into_light(l)).collect();
         let light = (light != values).then_some(light);
         let origin = match (self.origin, other.origin) {
             (Origin::Unknown, Origin::Unknown) => Origin::Unknown,

@@ -26,7 +26,7 @@ local shares, explained = study.sensitivity "i"
 print(("%.3f %.3f %.3f %.4f"):format(shares.flux.first, shares.shift.total, shares.kind.total, explained))
 "#;
 
-fn run<'a>(stop: &'a str) -> [&'a str; 5] {
+fn run(stop: &str) -> [&str; 5] {
     ["run", "study.lua", "--quiet", "--", stop]
 }
 

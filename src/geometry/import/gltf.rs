@@ -202,7 +202,8 @@ impl Import<'_> {
         first: u32,
         is_mirrored: bool,
     ) -> Parsed<()> {
-        let strip = |k: usize| if k % 2 == 0 { [k, k + 1, k + 2] } else { [k + 1, k, k + 2] };
+        let strip =
+            |k: usize| if k.is_multiple_of(2) { [k, k + 1, k + 2] } else { [k + 1, k, k + 2] };
         let places: Vec<[usize; 3]> = match mode {
             Mode::Triangles => {
                 (0..corners.len() / 3).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect()

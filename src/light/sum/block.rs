@@ -255,6 +255,7 @@ fn place_group(group: &SampleGroup, side: &LocalSide, start: usize, scratch: &mu
 #[inline(always)]
 fn narrow_group(group: &SampleGroup, side: &LocalSide, start: usize, scratch: &mut Scratch) {
     let emitted = &mut scratch.emitted[start..start + LANES];
+    #[allow(clippy::needless_range_loop)] // lanes of many arrays
     for i in 0..LANES {
         let l: [f32; 3] = [0, 1, 2].map(|axis| side.base[axis] + group.offset[axis][i]);
         let q: [f32; 3] = [0, 1, 2].map(|axis| group.flux[axis][i]);

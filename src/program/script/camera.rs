@@ -66,6 +66,6 @@ impl UserData for LuaCamera {
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
             Ok(format!("camera: {}", this.0.name))
         });
-        fault::refuse_unknown_fields(methods, "camera", &[]);
+        fault::refuse_unknown_fields(methods, "camera", []);
     }
 }

@@ -243,6 +243,6 @@ impl UserData for LuaDisplay {
                 white.y
             ))
         });
-        fault::refuse_unknown_fields(methods, "display", &NAMES);
+        fault::refuse_unknown_fields(methods, "display", NAMES);
     }
 }

@@ -400,6 +400,6 @@ impl UserData for LuaEnvironment {
             let lx = this.illuminance(None)?;
             Ok(format!("environment: {kind}{sun}, {lx:.0} lx on a level plane"))
         });
-        fault::refuse_unknown_fields(methods, "environment", &NAMES);
+        fault::refuse_unknown_fields(methods, "environment", NAMES);
     }
 }

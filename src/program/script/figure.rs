@@ -395,6 +395,6 @@ impl UserData for LuaFigure {
             let Figure { width, height, panels, .. } = this.0.as_ref();
             Ok(format!("figure: {width} × {height}, {} panels", panels.len()))
         });
-        fault::refuse_unknown_fields(methods, "figure", &NAMES);
+        fault::refuse_unknown_fields(methods, "figure", NAMES);
     }
 }

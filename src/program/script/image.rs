@@ -278,7 +278,7 @@ impl UserData for LuaImage {
             let scaled = term().and_then(|term| weighted(lua, &[term]));
             scaled.map_err(|error| fault::located(lua, error))
         });
-        fault::refuse_unknown_fields(methods, "image", &NAMES);
+        fault::refuse_unknown_fields(methods, "image", NAMES);
     }
 }
 

@@ -413,6 +413,6 @@ impl UserData for LuaLight {
             let (count, flux_lm) = (this.rays.samples.len(), this.rays.flux_lm);
             Ok(format!("rayset: {count} samples, {flux_lm} lm"))
         });
-        fault::refuse_unknown_fields(methods, "rayset", &NAMES);
+        fault::refuse_unknown_fields(methods, "rayset", NAMES);
     }
 }

@@ -190,7 +190,7 @@ impl UserData for LuaMaterial {
 
     fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| Ok(summary(&this.0)));
-        fault::refuse_unknown_fields(methods, "material", &NAMES);
+        fault::refuse_unknown_fields(methods, "material", NAMES);
     }
 }
 

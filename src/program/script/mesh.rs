@@ -361,6 +361,6 @@ impl UserData for LuaMesh {
             let [low, high] = this.0.bounds();
             Ok(format!("mesh: {} triangles, {low} to {high} mm", this.0.triangles.len()))
         });
-        fault::refuse_unknown_fields(methods, "mesh", &NAMES);
+        fault::refuse_unknown_fields(methods, "mesh", NAMES);
     }
 }

@@ -154,6 +154,6 @@ impl UserData for LuaGrid {
             let most = this.0.rows().map(|(_, xyz)| xyz.y).fold(0.0, f64::max);
             Ok(format!("photometric grid: {h} × {v} directions, up to {most:.4} cd"))
         });
-        fault::refuse_unknown_fields(methods, "grid", &NAMES);
+        fault::refuse_unknown_fields(methods, "grid", NAMES);
     }
 }

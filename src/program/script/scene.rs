@@ -233,6 +233,6 @@ impl UserData for LuaScene {
                 scene.lights.len()
             ))
         });
-        fault::refuse_unknown_fields(methods, "scene", &["check_light_error", "paths", "render"]);
+        fault::refuse_unknown_fields(methods, "scene", ["check_light_error", "paths", "render"]);
     }
 }

@@ -163,7 +163,7 @@ impl UserData for LuaSpectrum {
             combine("spectrum +", &a, &b, Spectrum::sum).map_err(|e| fault::located(lua, e))
         });
         methods.add_meta_method(MetaMethod::ToString, |_, this, ()| Ok(summary(&this.0)));
-        fault::refuse_unknown_fields(methods, "spectrum", &NAMES);
+        fault::refuse_unknown_fields(methods, "spectrum", NAMES);
     }
 }
 

@@ -77,7 +77,8 @@ fn exposure_from_record(record: &Value) -> Option<Exposure> {
     if record.as_str() == Some("auto") {
         return Some(Exposure::Auto);
     }
-    let kinds: [(&str, fn(f64) -> Exposure); 3] =
+    type Kind = (&'static str, fn(f64) -> Exposure);
+    let kinds: [Kind; 3] =
         [("factor", Exposure::Factor), ("ev", Exposure::Stops), ("adaptation", Exposure::Adapted)];
     kinds.into_iter().find_map(|(key, kind)| number(record, key).map(kind))
 }
