@@ -114,7 +114,7 @@ fn the_opal_box_has_its_flux_and_homogeneity() {
     let mut objects: Vec<_> = walls.into_iter().map(|wall| (wall, white.clone())).collect();
     objects.push((rectangle(DVec3::Z * 10.0, x, y), opal));
     let light = point_light(DVec3::Z * 1e-3, DVec3::Z, 100.0);
-    let prepared = lit(objects, light, 60, 50_000);
+    let prepared = lit(objects, light, 60, 200_000);
     let mut cells = [0.0f64; 64];
     const PER_CELL: usize = 3;
     for (cell, mean) in cells.iter_mut().enumerate() {

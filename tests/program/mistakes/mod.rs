@@ -71,7 +71,7 @@ const WARNINGS: &[[&str; 3]] = &[
     ],
     [
         "eye inside a mesh",
-        "L.scene { objects = { { mesh = cube, material = paper } }, lights = { lamp } }:render(L.view { distance = 0.1, width = 8, height = 8 })",
+        "L.scene { objects = { { mesh = cube, material = L.material { reflectance = 0.5, k_a = 1 } } }, ambient = 1 }:render(L.view { distance = 0.1, width = 8, height = 8 })",
         "view: the eye, 0.1 mm from its target, is inside a mesh: it sees only back sides",
     ],
     [
