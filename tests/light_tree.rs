@@ -93,7 +93,7 @@ fn beam(count: usize) -> RaySet {
 
 fn lobes(k_d: f64, n_d: f64, specular: &[(f64, f64)]) -> Lobes {
     let specular = specular.iter().map(|&(k_s, n_s)| SpecularLobe { k_s, n_s }).collect();
-    Lobes { k_d, n_d, specular, ..Lobes::default() }
+    Lobes { k_d, n_d, specular }
 }
 
 /// A hit whose mirror direction points about where the light is, off by `off`.

@@ -47,21 +47,9 @@ pub struct Lobes {
     pub n_d: f64,
     /// Only lobes with k_s > 0.
     pub specular: Vec<SpecularLobe>,
-    /// What the specular lobes are about, on the viewer's side.
-    pub shape: LobeShape,
 }
 
-/// What a specular lobe measures its angle from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LobeShape {
-    /// (R·V)^n: the mirror direction.
-    #[default]
-    Mirror,
-    /// (N·H)^(4n): N, from the half vector of L and V, as microfacets have it.
-    Half,
-}
-
-/// k_s (R·V)^n_s, or k_s (N·H)^(4 n_s) with [`LobeShape::Half`].
+/// k_s (R·V)^n_s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpecularLobe {
     /// 0 to 1.
@@ -73,7 +61,7 @@ pub struct SpecularLobe {
 /// Black.
 impl Default for Lobes {
     fn default() -> Self {
-        Self { k_d: 0.0, n_d: 1.0, specular: Vec::new(), shape: LobeShape::Mirror }
+        Self { k_d: 0.0, n_d: 1.0, specular: Vec::new() }
     }
 }
 

@@ -218,7 +218,6 @@ mod tests {
                 SpecularLobe { k_s: 0.5, n_s: 20.0 },
                 SpecularLobe { k_s: 0.4, n_s: 1500.0 },
             ],
-            ..Lobes::default()
         };
         let sums = under_each(|| {
             let tree = LightTree::build(&set);

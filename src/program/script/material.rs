@@ -9,7 +9,7 @@ use super::kinds::{Flag, Kind, Number, Or, SpectrumOrNumber, Text, Whole};
 use super::options::{self, Arguments, Range};
 use super::record::options;
 use crate::error::Error;
-use crate::material::{EXPONENT_RANGE, Fresnel, LobeShape, Lobes, Material, SpecularLobe};
+use crate::material::{EXPONENT_RANGE, Fresnel, Lobes, Material, SpecularLobe};
 use crate::spectrum::Spectrum;
 
 /// Handle of a material.
@@ -75,7 +75,7 @@ fn material(mut arguments: Arguments) -> mlua::Result<LuaMaterial> {
         ior: given.ior,
         fresnel,
         priority: given.priority,
-        lobes: Lobes { k_d: given.k_d, n_d: given.n_d, specular, shape: LobeShape::Mirror },
+        lobes: Lobes { k_d: given.k_d, n_d: given.n_d, specular },
         k_rg: given.k_rg.unwrap_or(share),
         k_tg: given.k_tg.unwrap_or(share),
         k_a: given.k_a,
