@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use lampyris::geometry::import::{self, Reading};
+use lampyris::geometry::import::{self, MeshReading};
 
 /// Cells a side: two triangles each make a million.
 const CELLS: usize = 708;
@@ -126,7 +126,8 @@ fn measure(path: &Path, what: &str, bytes: &[u8]) {
     let [alone, _] = rates(megabytes, || drop(std::fs::read(path)));
     let mut triangles = 0;
     let [wall, cpu] = rates(megabytes, || {
-        triangles = import::load(path, &Reading::default()).expect("a mesh").mesh.triangles.len();
+        triangles =
+            import::load(path, &MeshReading::default()).expect("a mesh").mesh.triangles.len();
     });
     println!("| {what} | {triangles} | {megabytes:.1} | {alone:.0} | {wall:.0} | {cpu:.0} |");
     let _ = std::fs::remove_file(path);

@@ -6,7 +6,7 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
-use lampyris::columns::{Choice, Table};
+use lampyris::columns::{Table, TableChoice};
 use lampyris::source::rayfile;
 
 const RAYS: usize = 1_000_000;
@@ -25,7 +25,7 @@ fn main() {
     report("10⁶ rays, CSV with wavelengths and decimal commas", german().as_bytes(), rays);
     let spectrum = |bytes: &[u8]| {
         let table = Table::from_bytes(Path::new("spectrum"), bytes.to_vec()).expect("a table");
-        assert_eq!(table.curve(&Choice::default()).expect("a spectrum").values.len(), ROWS);
+        assert_eq!(table.curve(&TableChoice::default()).expect("a spectrum").values.len(), ROWS);
     };
     report("10⁵ rows of a spectrum, commas", table(",", ".").as_bytes(), spectrum);
     report(

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use lampyris::color::Photometry;
 use lampyris::display::Look;
 use lampyris::geometry::DVec3;
-use lampyris::geometry::import::{self, Reading};
+use lampyris::geometry::import::{self, MeshReading};
 use lampyris::material::{Lobes, Material, SpecularLobe};
 use lampyris::render::{Quality, Unwatched, render};
 use lampyris::scene::{Light, MaterialId, Object, Scene, Shadows};
@@ -19,7 +19,7 @@ use lampyris::{Result, output};
 
 /// Writes `lamp.exr` and `lamp.png` into `folder`.
 pub fn draw(data: &Path, folder: &Path) -> Result<()> {
-    let mesh = Arc::new(import::load(&data.join("part0.obj"), &Reading::default())?.mesh);
+    let mesh = Arc::new(import::load(&data.join("part0.obj"), &MeshReading::default())?.mesh);
     let spectrum = Some(Spectrum::blackbody(2856.0));
     let rays = rayfile::read(&data.join("rays0.csv"))?;
     let (rays, spectrum) = rays.into_light(LightOptions { spectrum, flux_lm: Some(440.0) })?;

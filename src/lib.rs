@@ -64,6 +64,8 @@
 //! The display model turns XYZ into digits (eq. 7 and 8). [`output`] writes them with the display's
 //! profile, whole or not at all.
 
+#![warn(missing_docs)]
+
 pub mod color;
 pub mod columns;
 pub mod display;

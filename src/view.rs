@@ -12,7 +12,7 @@ pub struct View {
     pub azimuth_deg: f64,
     /// Lifts the eye toward +Y.
     pub elevation_deg: f64,
-    /// From eye to target, > 0.
+    /// Distance from eye to target, > 0.
     pub distance_mm: f64,
     /// What the camera looks at, mm; it is in the middle of the picture.
     pub target: DVec3,
@@ -36,6 +36,17 @@ pub struct Camera {
 }
 
 impl View {
+    /// From 3 m before the origin, 6° high, 640 × 480 pixels: what a script gets that says nothing.
+    pub const FRONT: Self = Self {
+        azimuth_deg: 0.0,
+        elevation_deg: 0.0,
+        distance_mm: 3000.0,
+        target: DVec3::ZERO,
+        fov_deg: 6.0,
+        width: 640,
+        height: 480,
+    };
+
     /// Eye and axes: model.md, "camera".
     pub fn camera(&self) -> Camera {
         let (sin_a, cos_a) = self.azimuth_deg.to_radians().sin_cos();
@@ -55,6 +66,12 @@ impl View {
     /// Number of pixels.
     pub fn pixels(&self) -> usize {
         self.width * self.height
+    }
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self::FRONT
     }
 }
 

@@ -4,9 +4,9 @@
 
 use std::path::Path;
 
-use lampyris::columns::{Choice, Table};
+use lampyris::columns::{TableChoice, Table};
 use lampyris::display;
-use lampyris::geometry::import::{self, Reading};
+use lampyris::geometry::import::{self, MeshReading};
 use lampyris::source::{photometric, rayfile};
 
 pub fn read(bytes: &[u8]) {
@@ -32,7 +32,7 @@ pub fn read_tm25(data: &[u8]) {
 
 /// A mesh that begins with `mark`.
 pub fn read_mesh(mark: &[u8], data: &[u8]) {
-    let _ = import::from_bytes(Path::new("fuzz"), [mark, data].concat(), &Reading::default());
+    let _ = import::from_bytes(Path::new("fuzz"), [mark, data].concat(), &MeshReading::default());
 }
 
 /// A binary STL file whose header fits its length.
@@ -45,7 +45,7 @@ pub fn read_stl(data: &[u8]) {
 /// Tables of every kind, and what is taken from them.
 pub fn read_columns(data: &[u8]) {
     if let Ok(table) = Table::from_bytes(Path::new("fuzz"), data.to_vec()) {
-        let _ = (table.curve(&Choice::default()), table.scatter(None), table.reading.lines());
+        let _ = (table.curve(&TableChoice::default()), table.scatter(None), table.reading.lines());
     }
 }
 

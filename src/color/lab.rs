@@ -5,8 +5,11 @@ use super::Xyz;
 /// CIE 1976 L*, a*, b* relative to some white.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Lab {
+    /// L*, lightness: 0 is black, 100 is the white.
     pub l: f64,
+    /// a*, toward red; negative toward green.
     pub a: f64,
+    /// b*, toward yellow; negative toward blue.
     pub b: f64,
 }
 
@@ -30,6 +33,7 @@ impl Lab {
         Self { l: 116.0 * fy - 16.0, a: 500.0 * (fx - fy), b: 200.0 * (fy - fz) }
     }
 
+    /// The color itself, in the unit of `white`. Source: CIE 15:2004, 8.2.1, inverted.
     pub fn to_xyz(self, white: Xyz) -> Xyz {
         let fy = (self.l + 16.0) / 116.0;
         let [x, y, z] = [fy + self.a / 500.0, fy, fy - self.b / 200.0].map(lab_f_inverse);

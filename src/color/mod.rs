@@ -24,12 +24,16 @@ use crate::spectrum::{Spectrum, WavelengthGrid, cie};
 /// CIE 1931 XYZ; Y is photometric (eq. 4).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Xyz {
+    /// X, in the unit of Y.
     pub x: f64,
+    /// Y: luminance (cd/m²), illuminance (lx) or whatever the spectrum weighs.
     pub y: f64,
+    /// Z, in the unit of Y.
     pub z: f64,
 }
 
 impl Xyz {
+    /// A color from its three values.
     pub const fn new(x: f64, y: f64, z: f64) -> Self {
         Self { x, y, z }
     }
@@ -63,6 +67,7 @@ impl Xyz {
         (sum > 0.0).then(|| [4.0 * self.x / sum, 9.0 * self.y / sum])
     }
 
+    /// Whether no value is infinite or NaN.
     pub fn is_finite(self) -> bool {
         self.x.is_finite() && self.y.is_finite() && self.z.is_finite()
     }

@@ -23,6 +23,7 @@ pub fn rec709_from_xyz(color: Xyz) -> [f64; 3] {
     (*RGB_FROM_XYZ * DVec3::from(color)).to_array()
 }
 
+/// The color of linear Rec. 709 values; (1, 1, 1) is D65 of Y = 1.
 pub fn xyz_from_rec709(rgb: [f64; 3]) -> Xyz {
     (*XYZ_FROM_RGB * DVec3::from_array(rgb)).into()
 }

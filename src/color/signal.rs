@@ -3,14 +3,19 @@
 /// Colors of light emitted, by their boundaries in CIE 1931 (x, y).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SignalColor {
+    /// Red, as of stop and tail lamps.
     Red,
+    /// Amber, as of direction indicators.
     Amber,
+    /// White, as of reversing lamps.
     White,
 }
 
 impl SignalColor {
+    /// Every color, in the order of the regulation.
     pub const ALL: [Self; 3] = [Self::Red, Self::Amber, Self::White];
 
+    /// The word that scripts and data files use.
     pub fn name(self) -> &'static str {
         match self {
             Self::Red => "red",

@@ -23,6 +23,7 @@ use crate::spectrum::{Spectrum, WavelengthGrid, cie};
 pub enum ColorGamut {
     /// The smoother spectra.
     Rec709,
+    /// Primaries of Display P3.
     P3,
 }
 
@@ -32,7 +33,7 @@ pub struct Upsampling {
     rgb_from_xyz: DMat3,
     /// Y of the primaries; they sum to 1.
     luminances: [f64; 3],
-    /// Of the primaries, relative.
+    /// Spectra of the primaries, relative.
     pub spectra: [Spectrum; 3],
 }
 
@@ -40,6 +41,7 @@ static REC709: LazyLock<Upsampling> = LazyLock::new(|| Upsampling::new(REC709_XY
 static P3: LazyLock<Upsampling> = LazyLock::new(|| Upsampling::new(P3_XY));
 
 impl Upsampling {
+    /// The mixing for a gamut's primaries, computed once.
     pub fn of(gamut: ColorGamut) -> &'static Upsampling {
         match gamut {
             ColorGamut::Rec709 => &REC709,
@@ -124,9 +126,9 @@ fn smooth_factors(white: &Spectrum, xyz_from_rgb: &DMat3) -> Vec<f64> {
 
 /// Matrix and right side of the sum of squares.
 fn quadratic(white: &Spectrum, xyz_from_rgb: &DMat3) -> (DMatrix<f64>, DVector<f64>) {
-    /// Of the sum of the three against 1.
+    /// Weight of the sum of the three against 1.
     const WHITENESS: f64 = 0.02;
-    /// Of a color's error, white having Y = 1: what is left is below 1e-4.
+    /// Weight of a color's error, white having Y = 1: what is left is below 1e-4.
     const COLOR: f64 = 1e6;
     let grid = WavelengthGrid::Step5;
     let bands = grid.bands();

@@ -1,11 +1,11 @@
 //! Where in a text the rows of numbers are: told by what the lines are like.
 
 use super::cells::{DecimalMark, Separator, Style};
-use super::{Line, Problem};
+use super::{Line, TextProblem};
 
 /// The rows of a text without a format of its own, and what stands around them.
 #[derive(Debug)]
-pub(super) struct Block {
+pub(super) struct NumberBlock {
     pub style: Style,
     pub rows: Vec<Line>,
     /// Lines of words above the rows, nearest first: two at most, and the comment above them.
@@ -19,7 +19,7 @@ pub(super) struct Block {
 
 /// What a line is like under a style.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Shape {
+enum LineShape {
     /// Two numbers at least, and no less than half of the cells.
     Row {
         starts_with_number: bool,
@@ -33,7 +33,7 @@ enum Shape {
 const DECIDING_LINES: usize = 2000;
 
 /// The rows of `text`, or none.
-pub(super) fn find(text: &str) -> Result<Option<Block>, Problem> {
+pub(super) fn find(text: &str) -> Result<Option<NumberBlock>, TextProblem> {
     let lines = content_lines(text);
     let Some(style) = style_of(text, &lines[..lines.len().min(DECIDING_LINES)])
         .or_else(|| style_of(text, &lines))
@@ -46,7 +46,7 @@ pub(super) fn find(text: &str) -> Result<Option<Block>, Problem> {
             None => Ok(None),
         };
     };
-    let shapes: Vec<Shape> = lines.iter().map(|line| shape(style, line.text(text))).collect();
+    let shapes: Vec<LineShape> = lines.iter().map(|line| shape(style, line.text(text))).collect();
     let Some((first, last)) = longest_run(&shapes) else { return Ok(None) };
     check_around(text, style, &lines, &shapes, (first, last))?;
     if style.separator == Separator::Comma {
@@ -59,7 +59,7 @@ pub(super) fn find(text: &str) -> Result<Option<Block>, Problem> {
     let mut rows = lines;
     rows.truncate(last);
     rows.drain(..first);
-    Ok(Some(Block { style, rows, header, above, below, end }))
+    Ok(Some(NumberBlock { style, rows, header, above, below, end }))
 }
 
 /// A line without its comment.
@@ -104,14 +104,14 @@ fn style_of(text: &str, lines: &[Line]) -> Option<Style> {
     best.1
 }
 
-struct Count {
+struct NumberCount {
     numbers: usize,
     filled: usize,
     starts_with_number: bool,
 }
 
-fn count(style: Style, line: &str) -> Count {
-    let mut count = Count { numbers: 0, filled: 0, starts_with_number: false };
+fn count(style: Style, line: &str) -> NumberCount {
+    let mut count = NumberCount { numbers: 0, filled: 0, starts_with_number: false };
     for (at, cell) in style.cells(line).enumerate() {
         let is_number = style.number(cell).is_some();
         count.starts_with_number |= at == 0 && is_number;
@@ -121,7 +121,7 @@ fn count(style: Style, line: &str) -> Count {
     count
 }
 
-fn is_row(count: &Count) -> bool {
+fn is_row(count: &NumberCount) -> bool {
     count.numbers >= 2 && 2 * count.numbers >= count.filled
 }
 
@@ -130,23 +130,23 @@ fn share_of_numbers(style: Style, line: &str) -> f64 {
     if is_row(&count) { count.numbers as f64 / count.filled as f64 } else { 0.0 }
 }
 
-fn shape(style: Style, line: &str) -> Shape {
+fn shape(style: Style, line: &str) -> LineShape {
     let count = count(style, line);
     match (is_row(&count), count.starts_with_number) {
-        (true, starts_with_number) => Shape::Row { starts_with_number },
-        (false, true) => Shape::Broken,
-        (false, false) => Shape::Words,
+        (true, starts_with_number) => LineShape::Row { starts_with_number },
+        (false, true) => LineShape::Broken,
+        (false, false) => LineShape::Words,
     }
 }
 
 /// From and to the lines of the longest run of rows that start alike; the first of equal ones.
-fn longest_run(shapes: &[Shape]) -> Option<(usize, usize)> {
+fn longest_run(shapes: &[LineShape]) -> Option<(usize, usize)> {
     let (mut best, mut from) = ((0, 0), 0);
     for at in 0..shapes.len() {
         if at == 0 || shapes[at] != shapes[at - 1] {
             from = at;
         }
-        if matches!(shapes[at], Shape::Row { .. }) && at + 1 - from > best.1 - best.0 {
+        if matches!(shapes[at], LineShape::Row { .. }) && at + 1 - from > best.1 - best.0 {
             best = (from, at + 1);
         }
     }
@@ -158,13 +158,14 @@ fn check_around(
     text: &str,
     style: Style,
     lines: &[Line],
-    shapes: &[Shape],
+    shapes: &[LineShape],
     (first, last): (usize, usize),
-) -> Result<(), Problem> {
+) -> Result<(), TextProblem> {
     let width = |at: usize| style.cells(lines[at].text(text)).count();
     let is_alike = |at: usize| shapes[at] == shapes[first] && width(at) == width(first);
     let is_broken = |at: usize| {
-        shapes[at] == Shape::Broken && shapes[first] == Shape::Row { starts_with_number: true }
+        shapes[at] == LineShape::Broken
+            && shapes[first] == LineShape::Row { starts_with_number: true }
     };
     // A number alone above the rows is a count, as many formats have it.
     if let Some(at) = (0..first).find(|&at| is_alike(at)) {
@@ -180,7 +181,7 @@ fn check_around(
     bad.map_or(Ok(()), |at| Err(not_a_row(text, style, &lines[at], width(first))))
 }
 
-fn not_a_row(text: &str, style: Style, line: &Line, width: usize) -> Problem {
+fn not_a_row(text: &str, style: Style, line: &Line, width: usize) -> TextProblem {
     let content = line.text(text);
     let bad = style.cells(content).enumerate().find(|(_, cell)| style.number(cell).is_none());
     let found = style.cells(content).count();
@@ -196,7 +197,7 @@ fn not_a_row(text: &str, style: Style, line: &Line, width: usize) -> Problem {
 }
 
 /// Refuses rows of commas that have more cells than others: their commas are decimal marks too.
-fn check_width(text: &str, style: Style, rows: &[Line]) -> Result<(), Problem> {
+fn check_width(text: &str, style: Style, rows: &[Line]) -> Result<(), TextProblem> {
     let width = |line: &Line| {
         let cells = style.cells(line.text(text)).enumerate();
         cells.filter(|(_, cell)| style.number(cell).is_some()).last().map_or(0, |(at, _)| at + 1)

@@ -6,7 +6,7 @@
 use std::fmt::Write;
 
 use super::cells::{DecimalMark, Separator, Style};
-use super::{Found, Line, Problem, Table, TableFormat, block, spdx};
+use super::{Found, Line, Table, TableFormat, TextProblem, block, spdx};
 use crate::error::{Error, Place, Result as FileResult};
 
 const TAB: Style = Style::new(Separator::Tab, DecimalMark::Point);
@@ -61,7 +61,7 @@ struct Zemax<'a> {
 }
 
 impl<'a> Zemax<'a> {
-    fn next(&mut self) -> Result<&'a str, Problem> {
+    fn next(&mut self) -> Result<&'a str, TextProblem> {
         let Some(line) = self.lines.next() else {
             return Err(self.last.problem("the file ends too early".to_owned()));
         };
@@ -70,7 +70,7 @@ impl<'a> Zemax<'a> {
     }
 
     /// "key value", whatever its case.
-    fn value(&mut self, key: &str) -> Result<&'a str, Problem> {
+    fn value(&mut self, key: &str) -> Result<&'a str, TextProblem> {
         let line = self.next()?;
         let (found, value) = line.split_once([' ', '\t', ',']).unwrap_or((line, ""));
         if found.eq_ignore_ascii_case(key) {
@@ -79,7 +79,7 @@ impl<'a> Zemax<'a> {
         Err(self.last.problem(format!("\"{found}\", expected \"{key}\"")))
     }
 
-    fn numbers(&mut self) -> Result<Vec<f64>, Problem> {
+    fn numbers(&mut self) -> Result<Vec<f64>, TextProblem> {
         let line = self.next()?;
         let cells = line.split([' ', '\t', ',']).filter(|cell| !cell.is_empty());
         let numbers: Option<Vec<f64>> = cells.map(|cell| BLANK.number(cell)).collect();
@@ -88,7 +88,7 @@ impl<'a> Zemax<'a> {
     }
 
     /// A key with a count, and that many numbers in the next line.
-    fn list(&mut self, key: &str) -> Result<Vec<f64>, Problem> {
+    fn list(&mut self, key: &str) -> Result<Vec<f64>, TextProblem> {
         let count = self.value(key)?.to_owned();
         let numbers = self.numbers()?;
         if count.parse() == Ok(numbers.len()) {
@@ -98,7 +98,7 @@ impl<'a> Zemax<'a> {
     }
 }
 
-pub(super) fn read_zemax(text: &str) -> Result<Found, Problem> {
+pub(super) fn read_zemax(text: &str) -> Result<Found, TextProblem> {
     let lines = block::content_lines(text);
     let last = lines.first().copied().unwrap_or_else(|| Line::of(text, "", 0));
     let mut file = Zemax { text, lines: lines.into_iter(), last };
@@ -164,7 +164,7 @@ fn found(
 }
 
 /// Where E1392's columns are.
-struct Columns {
+struct BsdfColumns {
     theta_i: usize,
     phi_i: Option<usize>,
     theta_s: usize,
@@ -172,7 +172,7 @@ struct Columns {
     value: usize,
 }
 
-impl Columns {
+impl BsdfColumns {
     fn of(names: &[String]) -> Option<Self> {
         let at = |wanted: &[&str]| names.iter().position(|name| wanted.contains(&name.as_str()));
         let theta_i = at(&["theta_i", "thetai", "theta_in"])?;
@@ -190,12 +190,12 @@ impl Columns {
     }
 }
 
-pub(super) fn read_astm(text: &str) -> Result<Found, Problem> {
+pub(super) fn read_astm(text: &str) -> Result<Found, TextProblem> {
     let lines = block::content_lines(text);
     let head = lines.iter().position(|line| variables(line.text(text)).is_some());
     let at = head.unwrap_or_default();
     let names = variables(lines[at].text(text)).unwrap_or_default();
-    let Some(columns) = Columns::of(&names) else {
+    let Some(columns) = BsdfColumns::of(&names) else {
         let what = "VARS names no theta_i, no theta_s or no value".to_owned();
         return Err(lines[at].problem(what));
     };
@@ -214,7 +214,7 @@ pub(super) fn read_astm(text: &str) -> Result<Found, Problem> {
     Ok(astm_found(&columns, &names, rows))
 }
 
-fn astm_found(columns: &Columns, names: &[String], rows: Vec<(Vec<f64>, u32)>) -> Found {
+fn astm_found(columns: &BsdfColumns, names: &[String], rows: Vec<(Vec<f64>, u32)>) -> Found {
     let angles = rows.iter().flat_map(|(n, _)| [n[columns.theta_i], n[columns.theta_s]]);
     let largest = angles.fold(0.0, |most: f64, angle| most.max(angle.abs()));
     let is_radians = largest <= std::f64::consts::FRAC_PI_2 + 1e-3;

@@ -74,8 +74,8 @@ impl Style {
     }
 
     /// The cells of a line, without quotes and the blanks around them.
-    pub fn cells(self, line: &str) -> Cells<'_> {
-        Cells { style: self, rest: Some(line.trim()) }
+    pub fn cells(self, line: &str) -> LineCells<'_> {
+        LineCells { style: self, rest: Some(line.trim()) }
     }
 
     /// The number in a cell; "95 %" is 0.95 and "380 nm" is 380.
@@ -118,13 +118,13 @@ fn is_digit(c: char) -> bool {
 }
 
 /// The cells of one line.
-pub struct Cells<'a> {
+pub struct LineCells<'a> {
     style: Style,
     /// `None` after the last cell.
     rest: Option<&'a str>,
 }
 
-impl<'a> Iterator for Cells<'a> {
+impl<'a> Iterator for LineCells<'a> {
     type Item = &'a str;
 
     fn next(&mut self) -> Option<&'a str> {
@@ -141,7 +141,7 @@ impl<'a> Iterator for Cells<'a> {
     }
 }
 
-impl<'a> Cells<'a> {
+impl<'a> LineCells<'a> {
     fn is_end(&self, c: char) -> bool {
         match self.style.separator {
             Separator::Tab => c == '\t',

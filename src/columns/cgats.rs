@@ -1,10 +1,10 @@
 //! CGATS: keywords, the names of the fields, and rows of cells parted by blanks.
 //!
 //! Argyll's `.sp` (spectra) and `.ti3` (patches of a display), and the exports of X-Rite's programs.
-//! Of several tables in a file the first counts.
+//! Where a file has several tables, the first counts.
 
 use super::cells::{DecimalMark, Separator, Style};
-use super::{Found, Line, Problem, TableFormat};
+use super::{Found, Line, TableFormat, TextProblem};
 
 /// Whether a line of the text starts the data as the format has it.
 pub(super) fn is_cgats(text: &str) -> bool {
@@ -13,31 +13,31 @@ pub(super) fn is_cgats(text: &str) -> bool {
 }
 
 /// Where the reader is in the file.
-enum Part {
+enum CgatsPart {
     Header,
     Names,
     Between,
     Rows,
 }
 
-pub(super) fn read(text: &str) -> Result<Found, Problem> {
+pub(super) fn read(text: &str) -> Result<Found, TextProblem> {
     let blank = Style::new(Separator::Blank, DecimalMark::Point);
     let (mut keywords, mut names, mut rows) = (Vec::new(), Vec::new(), Vec::new());
     let mut notes = Vec::new();
-    let mut part = Part::Header;
+    let mut part = CgatsPart::Header;
     for (number, line) in (1..).zip(text.lines()) {
         let content = match part {
-            Part::Rows => line.trim(),
+            CgatsPart::Rows => line.trim(),
             _ => line.split('#').next().unwrap_or_default().trim(),
         };
         if content.is_empty() {
             continue;
         }
         match (&part, content) {
-            (Part::Header, "BEGIN_DATA_FORMAT") => part = Part::Names,
-            (Part::Names, "END_DATA_FORMAT") => part = Part::Between,
-            (Part::Header | Part::Between, "BEGIN_DATA") => part = Part::Rows,
-            (Part::Rows, "END_DATA") => {
+            (CgatsPart::Header, "BEGIN_DATA_FORMAT") => part = CgatsPart::Names,
+            (CgatsPart::Names, "END_DATA_FORMAT") => part = CgatsPart::Between,
+            (CgatsPart::Header | CgatsPart::Between, "BEGIN_DATA") => part = CgatsPart::Rows,
+            (CgatsPart::Rows, "END_DATA") => {
                 if text.lines().skip(number as usize).any(|line| line.trim() == "BEGIN_DATA") {
                     notes.push(format!("further tables from line {} on", number + 1));
                 }
@@ -45,9 +45,9 @@ pub(super) fn read(text: &str) -> Result<Found, Problem> {
                 let format = TableFormat::Cgats;
                 return Ok(Found { format, style, names, keywords, rows, notes, text: None });
             }
-            (Part::Names, _) => names.extend(blank.cells(content).map(str::to_owned)),
-            (Part::Header | Part::Between, _) => keywords.extend(keyword(blank, content)),
-            (Part::Rows, _) => {
+            (CgatsPart::Names, _) => names.extend(blank.cells(content).map(str::to_owned)),
+            (CgatsPart::Header | CgatsPart::Between, _) => keywords.extend(keyword(blank, content)),
+            (CgatsPart::Rows, _) => {
                 let row = Line::of(text, content, number);
                 let (found, expected) = (blank.cells(content).count(), names.len());
                 if found != expected {
@@ -59,7 +59,7 @@ pub(super) fn read(text: &str) -> Result<Found, Problem> {
             }
         }
     }
-    Err(Problem { line: 0, what: "the CGATS file ends without \"END_DATA\"".to_owned() })
+    Err(TextProblem { line: 0, what: "the CGATS file ends without \"END_DATA\"".to_owned() })
 }
 
 /// A keyword and its value, without quotes.

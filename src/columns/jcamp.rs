@@ -6,11 +6,11 @@
 use std::fmt::Write;
 
 use super::cells::{DecimalMark, Separator, Style};
-use super::{Found, Problem, TableFormat, spdx};
+use super::{Found, TableFormat, TextProblem, spdx};
 
 /// What the labels before the data state.
 #[derive(Debug)]
-struct Header {
+struct JcampLabels {
     x_factor: f64,
     y_factor: f64,
     first_x: Option<f64>,
@@ -23,8 +23,8 @@ struct Header {
 /// A file of some kilobytes may repeat one value without end; no spectrometer has more points.
 const MOST_POINTS: usize = 4_000_000;
 
-pub(super) fn read(text: &str) -> Result<Found, Problem> {
-    let mut header = Header {
+pub(super) fn read(text: &str) -> Result<Found, TextProblem> {
+    let mut header = JcampLabels {
         x_factor: 1.0,
         y_factor: 1.0,
         first_x: None,
@@ -54,8 +54,8 @@ pub(super) fn read(text: &str) -> Result<Found, Problem> {
     Ok(header.found(&points))
 }
 
-fn problem(line: u32, what: impl Into<String>) -> Problem {
-    Problem { line: u64::from(line), what: what.into() }
+fn problem(line: u32, what: impl Into<String>) -> TextProblem {
+    TextProblem { line: u64::from(line), what: what.into() }
 }
 
 /// A line without its comment.
@@ -70,8 +70,8 @@ fn label(line: &str) -> Option<(String, &str)> {
     Some((kept.collect::<String>().to_uppercase(), value.trim()))
 }
 
-impl Header {
-    fn state(&mut self, label: &str, value: &str, line: u32) -> Result<(), Problem> {
+impl JcampLabels {
+    fn state(&mut self, label: &str, value: &str, line: u32) -> Result<(), TextProblem> {
         let number = || {
             let style = Style::new(Separator::Tab, DecimalMark::Point);
             let commas = Style::new(Separator::Tab, DecimalMark::Comma);
@@ -117,9 +117,9 @@ type Points = Vec<(f64, f64, u32)>;
 
 /// (X++(Y..Y)): each line an abscissa, for checking, and ordinates.
 fn ordinates<'a>(
-    header: &Header,
+    header: &JcampLabels,
     rows: impl Iterator<Item = (u32, &'a str)>,
-) -> Result<Points, Problem> {
+) -> Result<Points, TextProblem> {
     let mut values: Vec<(f64, u32)> = Vec::new();
     let mut is_check = false;
     for (line, content) in rows.filter(|(_, content)| !content.is_empty()) {
@@ -146,7 +146,7 @@ fn ordinates<'a>(
     evenly_spaced(header, &values)
 }
 
-fn evenly_spaced(header: &Header, values: &[(f64, u32)]) -> Result<Points, Problem> {
+fn evenly_spaced(header: &JcampLabels, values: &[(f64, u32)]) -> Result<Points, TextProblem> {
     let (Some(first), Some(last)) = (header.first_x, header.last_x) else {
         return Err(problem(0, "no \"##FIRSTX\" or no \"##LASTX\" in the JCAMP-DX file"));
     };
@@ -249,9 +249,9 @@ fn number_length(text: &str) -> usize {
 
 /// (XY..XY): pairs, parted by blanks, commas or semicolons.
 fn pairs<'a>(
-    header: &Header,
+    header: &JcampLabels,
     rows: impl Iterator<Item = (u32, &'a str)>,
-) -> Result<Points, Problem> {
+) -> Result<Points, TextProblem> {
     let mut points = Vec::new();
     for (line, content) in rows.filter(|(_, content)| !content.is_empty()) {
         let cells: Vec<&str> =

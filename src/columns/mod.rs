@@ -2,11 +2,12 @@
 //!
 //! One reader serves spectra, lobes, ramps, patches and limits. It finds by content how the text is
 //! encoded, what parts the columns, what marks decimals, where the rows start and end, and what
-//! the columns are called; [`Reading`] says what it found. What could mean two things is refused
+//! the columns are called; [`TableReading`] says what it found. What could mean two things is refused
 //! with the line.
 
 mod block;
 mod bsdf;
+mod built_in;
 mod cells;
 mod cgats;
 mod encoding;
@@ -21,10 +22,11 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 pub use bsdf::{Scatter, ScatterKind};
-pub use cells::{Cells, DecimalMark, Separator, Style};
+pub(crate) use built_in::built_in_rows;
+pub use cells::{DecimalMark, LineCells, Separator, Style};
 pub use encoding::Encoding;
 pub use foreign::hint_of_content;
-pub use wavelengths::{Choice, Curve};
+pub use wavelengths::{TableChoice, WavelengthCurve};
 
 use crate::error::{Error, Place, Result};
 
@@ -60,7 +62,7 @@ impl fmt::Display for TableFormat {
 
 /// What a file was taken for.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
+pub struct TableReading {
     /// Kind of file.
     pub format: TableFormat,
     /// The instrument or program that its header names.
@@ -73,7 +75,7 @@ pub struct Reading {
     pub notes: Vec<String>,
 }
 
-impl Reading {
+impl TableReading {
     /// For `lampyris info`, a line each.
     pub fn lines(&self) -> Vec<String> {
         let mut lines = vec![match self.instrument {
@@ -92,10 +94,10 @@ impl Reading {
 pub struct Table {
     path: PathBuf,
     /// What the file was taken for.
-    pub reading: Reading,
-    /// Of the columns, in order; empty where the file has none.
+    pub reading: TableReading,
+    /// Names of the columns, in order; empty where the file has none.
     pub names: Vec<String>,
-    /// Of a header, where its format has keywords.
+    /// Keywords of a header and their values, where the format has them.
     keywords: Vec<(String, String)>,
     text: String,
     rows: Vec<Line>,
@@ -121,20 +123,20 @@ impl Line {
         &text[self.start as usize..self.end as usize]
     }
 
-    fn problem(&self, what: String) -> Problem {
-        Problem { line: u64::from(self.number), what }
+    fn problem(&self, what: String) -> TextProblem {
+        TextProblem { line: u64::from(self.number), what }
     }
 }
 
 /// What is wrong with a text, before it is known which file it is.
 #[derive(Debug, Clone, PartialEq)]
-struct Problem {
+struct TextProblem {
     /// 1-based; 0 for the whole.
     line: u64,
     what: String,
 }
 
-impl Problem {
+impl TextProblem {
     fn at(self, path: &Path) -> Error {
         let place = if self.line == 0 { Place::File } else { Place::Line(self.line) };
         Error::bad_file(path, place, self.what)
@@ -185,7 +187,7 @@ impl Table {
         let instrument = instrument_of(&text);
         let found = find(&text).map_err(|problem| problem.at(path))?;
         let Found { format, style, names, keywords, rows, notes, text: anew } = found;
-        let reading = Reading { format, instrument, encoding, style, notes };
+        let reading = TableReading { format, instrument, encoding, style, notes };
         let text = anew.unwrap_or(text);
         Ok(Self { path: path.to_owned(), reading, names, keywords, text, rows })
     }
@@ -250,7 +252,7 @@ fn decoded(path: &Path, bytes: Vec<u8>) -> Result<(String, Encoding)> {
     }
     encoding::decode(bytes).map_err(|line| {
         let what = "a control character: the file is no text".to_owned();
-        Problem { line, what }.at(path)
+        TextProblem { line, what }.at(path)
     })
 }
 
@@ -265,7 +267,7 @@ impl<'a> TableRow<'a> {
     }
 
     /// In order.
-    pub fn cells(&self) -> Cells<'a> {
+    pub fn cells(&self) -> LineCells<'a> {
         self.table.reading.style.cells(self.text())
     }
 
@@ -312,7 +314,7 @@ impl<'a> TableRow<'a> {
     }
 }
 
-fn find(text: &str) -> std::result::Result<Found, Problem> {
+fn find(text: &str) -> std::result::Result<Found, TextProblem> {
     let start = text.trim_start();
     if start.starts_with('<') {
         return spdx::read(text);
@@ -333,7 +335,7 @@ fn find(text: &str) -> std::result::Result<Found, Problem> {
 }
 
 /// A text without a format of its own.
-fn rows(text: &str) -> std::result::Result<Found, Problem> {
+fn rows(text: &str) -> std::result::Result<Found, TextProblem> {
     let format = TableFormat::Rows;
     let (keywords, notes) = (Vec::new(), Vec::new());
     if let Some((style, rows, header)) = wavelengths::in_a_header(text) {
@@ -359,7 +361,7 @@ fn rows(text: &str) -> std::result::Result<Found, Problem> {
 
 /// Names of the columns from the lines above the rows: words, as many as there are columns or more;
 /// of two such lines the lower one holds units.
-fn names(text: &str, block: &block::Block) -> Vec<String> {
+fn names(text: &str, block: &block::NumberBlock) -> Vec<String> {
     let width = block.rows.first().map_or(0, |row| block.style.cells(row.text(text)).count());
     let mut names: Vec<String> = Vec::new();
     for line in &block.header {

@@ -3,12 +3,12 @@
 use std::fmt::Write;
 
 use super::cells::{DecimalMark, Separator, Style};
-use super::{Found, Line, Problem, TableFormat};
+use super::{Found, Line, TableFormat, TextProblem};
 
 const TAB: Style = Style::new(Separator::Tab, DecimalMark::Point);
 
 /// The rows are written anew, in the numbers of the lines that they stood in.
-pub(super) fn read(text: &str) -> Result<Found, Problem> {
+pub(super) fn read(text: &str) -> Result<Found, TextProblem> {
     let (mut anew, mut lines) = (String::new(), Vec::new());
     let mut quantity = None;
     let mut comment = false;
@@ -38,7 +38,7 @@ pub(super) fn read(text: &str) -> Result<Found, Problem> {
     }
     if lines.is_empty() {
         let what = "XML without \"SpectralData\" elements, as IES TM-27 has them".to_owned();
-        return Err(Problem { line: 0, what });
+        return Err(TextProblem { line: 0, what });
     }
     let notes = quantity.map(|quantity| format!("spectral quantity: {quantity}")).into_iter();
     Ok(Found {
@@ -71,14 +71,14 @@ fn entry<'a>(tag: &'a str, content: &'a str) -> Option<(f64, f64)> {
     Some((TAB.number(nm.trim())?, TAB.number(content.trim())?))
 }
 
-fn bad(line: u32, tag: &str, content: &str) -> Problem {
+fn bad(line: u32, tag: &str, content: &str) -> TextProblem {
     let short = |text: &str| -> String { text.trim().chars().take(60).collect() };
     let what = format!(
         "<{}>{}: expected <SpectralData wavelength=\"nm\">value",
         short(tag),
         short(content)
     );
-    Problem { line: u64::from(line), what }
+    TextProblem { line: u64::from(line), what }
 }
 
 fn line_of(text: &str, part: &str) -> u32 {

@@ -8,8 +8,8 @@ fn table(bytes: impl Into<Vec<u8>>) -> Result<Table> {
     Table::from_bytes(Path::new("t.csv"), bytes.into())
 }
 
-fn curve(bytes: impl Into<Vec<u8>>) -> Result<Curve> {
-    table(bytes)?.curve(&Choice::default())
+fn curve(bytes: impl Into<Vec<u8>>) -> Result<WavelengthCurve> {
+    table(bytes)?.curve(&TableChoice::default())
 }
 
 /// Wavelengths and values of a good file.
@@ -130,7 +130,7 @@ fn headers_and_ends_of_instruments_are_left_aside() {
     let found = table(avantes).unwrap();
     assert_eq!(found.names[0], "Wave [nm]");
     assert_eq!(found.names[4], "Transmittance [%]");
-    let fifth = found.curve(&Choice { column: Some(5), row: None }).unwrap();
+    let fifth = found.curve(&TableChoice { column: Some(5), row: None }).unwrap();
     assert_eq!((fifth.lambda_nm, fifth.values), (vec![380.173, 580.0], vec![0.1, 0.5]));
 
     let cs2000 = "CS-2000,,\nDate,2024/11/25\nLv,123.4\nx,0.3127,y,0.3290\nT,6504\nWavelength[nm],\
@@ -157,10 +157,10 @@ fn samples_in_rows_are_chosen() {
         "t.csv: 2 samples in rows, give \"row\", 1 to 2 or \"red\", \"blue\""
     );
     for row in ["2", "blue"] {
-        let choice = Choice { column: None, row: Some(row.to_owned()) };
+        let choice = TableChoice { column: None, row: Some(row.to_owned()) };
         assert_eq!(table(two.clone()).unwrap().curve(&choice).unwrap().values[0], 0.2);
     }
-    let choice = Choice { column: None, row: Some("green".to_owned()) };
+    let choice = TableChoice { column: None, row: Some("green".to_owned()) };
     let error = table(two).unwrap().curve(&choice).unwrap_err().to_string();
     assert_eq!(error, "t.csv: no row \"green\", give 1 to 2 or \"red\", \"blue\"");
     // Two lines without names, as CS-1000 files are turned.
@@ -248,7 +248,8 @@ fn what_is_no_row_is_refused_with_its_line() {
     ] {
         assert_eq!(message(text), expected, "{text}");
     }
-    let error = table("nm,value\n380,0.1\n").unwrap().curve(&Choice { column: Some(3), row: None });
+    let error =
+        table("nm,value\n380,0.1\n").unwrap().curve(&TableChoice { column: Some(3), row: None });
     assert_eq!(error.unwrap_err().to_string(), "t.csv:2: no column 3, the row has 2 (\"380,0.1\")");
     assert_eq!(message(vec![0x1f, 0x8b, 8]), "t.csv: is compressed (gzip): unpack it first");
     assert_eq!(
@@ -369,7 +370,8 @@ fn mutated_files_neither_panic_nor_hang() {
             }
         }
         if let Ok(table) = table(bytes) {
-            let _ = (table.curve(&Choice::default()), table.scatter(None), table.reading.lines());
+            let _ =
+                (table.curve(&TableChoice::default()), table.scatter(None), table.reading.lines());
         }
     }
 }

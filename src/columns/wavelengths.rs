@@ -7,7 +7,7 @@ use crate::error::{Error, Place, Result};
 
 /// Which part of a table is wanted.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Choice {
+pub struct TableChoice {
     /// Column of the values, 1-based; else the one after the wavelengths.
     pub column: Option<usize>,
     /// Where samples stand in rows, the number (from 1) or the name of one.
@@ -16,7 +16,7 @@ pub struct Choice {
 
 /// Values over wavelength.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
+pub struct WavelengthCurve {
     /// Strictly ascending, finite, > 0, nm; no less than one.
     pub lambda_nm: Vec<f64>,
     /// Finite, one a wavelength.
@@ -26,7 +26,7 @@ pub struct Curve {
 }
 
 /// A wavelength, its value, and their line.
-type Entry = (f64, f64, u64);
+type SpectrumEntry = (f64, f64, u64);
 
 /// Fewest columns of wavelengths that are told as such.
 const MIN_WAVELENGTHS: usize = 8;
@@ -41,7 +41,7 @@ impl Table {
     /// Errors: [`Error::BadFile`] with the line for a cell that is no number, for wavelengths that
     /// are in another unit than the header says or in another than nm where it says nothing, twice
     /// there, or neither ascending nor descending; for several samples of which none is chosen.
-    pub fn curve(&self, choice: &Choice) -> Result<Curve> {
+    pub fn curve(&self, choice: &TableChoice) -> Result<WavelengthCurve> {
         let mut notes = Vec::new();
         let entries = match sample_columns(&self.names) {
             Some(columns) => self.sample(&columns, choice, &mut notes)?,
@@ -57,10 +57,14 @@ impl Table {
         }
         let entries = self.ascending(entries, &mut notes)?;
         let (lambda_nm, values) = entries.into_iter().map(|(nm, value, _)| (nm, value)).unzip();
-        Ok(Curve { lambda_nm, values, notes })
+        Ok(WavelengthCurve { lambda_nm, values, notes })
     }
 
-    fn two_columns(&self, choice: &Choice, notes: &mut Vec<String>) -> Result<Vec<Entry>> {
+    fn two_columns(
+        &self,
+        choice: &TableChoice,
+        notes: &mut Vec<String>,
+    ) -> Result<Vec<SpectrumEntry>> {
         self.check_commas()?;
         let of_wavelength = self.names.iter().position(|name| units::is_wavelength(name));
         let lambda = of_wavelength.unwrap_or(0);
@@ -83,7 +87,12 @@ impl Table {
     }
 
     /// Converts wavelengths by the header's unit, and refuses those that are no nm without one.
-    fn to_nm(&self, column: usize, entries: &mut [Entry], notes: &mut Vec<String>) -> Result<()> {
+    fn to_nm(
+        &self,
+        column: usize,
+        entries: &mut [SpectrumEntry],
+        notes: &mut Vec<String>,
+    ) -> Result<()> {
         let Some(&(_, _, line)) = entries.first() else { return Ok(()) };
         let low = entries.iter().map(|entry| entry.0).fold(f64::INFINITY, f64::min);
         let high = entries.iter().map(|entry| entry.0).fold(0.0, f64::max);
@@ -119,9 +128,9 @@ impl Table {
     fn sample(
         &self,
         columns: &[(usize, f64)],
-        choice: &Choice,
+        choice: &TableChoice,
         notes: &mut Vec<String>,
-    ) -> Result<Vec<Entry>> {
+    ) -> Result<Vec<SpectrumEntry>> {
         let Some(row) = self.chosen_row(choice)? else { return Ok(Vec::new()) };
         let norm = self.keyword("SPECTRAL_NORM").and_then(|norm| norm.parse::<f64>().ok());
         let norm = norm.filter(|norm| *norm > 0.0 && norm.is_finite()).unwrap_or(1.0);
@@ -148,7 +157,7 @@ impl Table {
         agrees.then(|| (0..bands).map(|band| first + step * band as f64).collect())
     }
 
-    fn chosen_row(&self, choice: &Choice) -> Result<Option<TableRow<'_>>> {
+    fn chosen_row(&self, choice: &TableChoice) -> Result<Option<TableRow<'_>>> {
         let refuse = |problem: String| Err(Error::bad_file(self.path(), Place::File, problem));
         let count = self.row_count();
         let named = |name: &str| self.rows().find(|row| row.cells().any(|cell| cell == name));
@@ -183,7 +192,11 @@ impl Table {
     }
 
     /// Rows that descend throughout are turned.
-    fn ascending(&self, mut entries: Vec<Entry>, notes: &mut Vec<String>) -> Result<Vec<Entry>> {
+    fn ascending(
+        &self,
+        mut entries: Vec<SpectrumEntry>,
+        notes: &mut Vec<String>,
+    ) -> Result<Vec<SpectrumEntry>> {
         let bad = |line, problem| Err(Error::bad_file(self.path(), Place::Line(line), problem));
         if let Some(&(nm, value, line)) = entries.iter().find(|entry| !entry.1.is_finite()) {
             return bad(line, format!("value at {nm} nm is {value}, allowed: finite numbers"));

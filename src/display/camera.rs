@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::exposure::Exposure;
 use super::model::Display;
 use crate::color::{D65_XY, Xyz};
+use crate::columns::built_in_rows;
 use crate::error::{Error, Result};
 use crate::image::SpectralImage;
 use crate::spectrum::{Spectrum, WavelengthGrid, cie};
@@ -19,7 +20,7 @@ use crate::statistics::percentile;
 /// `full_well`, whatever the others have: so a bright red turns to orange and yellow, as in
 /// photographs of lamps.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Camera {
+pub struct PhotoCamera {
     /// What it is called.
     pub name: String,
     /// Responses to equal radiant power of the red, green and blue channel, relative, ≥ 0; none
@@ -47,16 +48,12 @@ static SIGMA_SD_MERRILL: LazyLock<[Spectrum; 3]> = LazyLock::new(|| {
 });
 
 /// A column of a table of the program's own, which a test reads.
-fn embedded(text: &str, column: usize) -> Spectrum {
-    let rows = text.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
-    let pairs = rows.filter_map(|row| {
-        let cell = |at: usize| row.split(',').nth(at)?.trim().parse::<f64>().ok();
-        Some((cell(0)?, cell(column)?))
-    });
+fn embedded(text: &'static str, column: usize) -> Spectrum {
+    let pairs = built_in_rows(text).map(|(_, row)| (row[0], row[column]));
     Spectrum::from_pairs("camera", pairs).unwrap_or_else(|_| Spectrum::constant(0.0))
 }
 
-impl Camera {
+impl PhotoCamera {
     /// Automatic exposure, full at display white, balanced for D65.
     pub fn new(name: &str, sensitivities: [Spectrum; 3]) -> Self {
         let name = name.to_owned();
@@ -157,7 +154,7 @@ impl Camera {
     /// From balanced channels, full at 1, to light of the display's channels: the camera's white
     /// becomes D65 as bright as the display can.
     ///
-    /// Errors: as [`Camera::raw`].
+    /// Errors: as [`PhotoCamera::raw`].
     pub(super) fn display_matrix(&self, display: &Display) -> Result<DMat3> {
         let mixed = display.matrix().inverse()
             * self.xyz_from_raw()?
@@ -189,18 +186,9 @@ mod tests {
 
     #[test]
     fn daylight_is_neutral() {
-        for camera in [Camera::nikon_d5100(), Camera::sigma_sd_merrill()] {
-            let d65 = Spectrum::from_pairs(
-                "d65",
-                include_str!("../../data/cie/cie_illuminant_D65_5nm_380_780.csv")
-                    .lines()
-                    .filter(|l| l.starts_with(|c: char| c.is_ascii_digit()))
-                    .map(|l| {
-                        let cells: Vec<f64> = l.split(',').map(|c| c.parse().unwrap()).collect();
-                        (cells[0], cells[1])
-                    }),
-            );
-            let [r, g, b] = camera.raw(&image(&d65.unwrap())).unwrap()[0];
+        for camera in [PhotoCamera::nikon_d5100(), PhotoCamera::sigma_sd_merrill()] {
+            let d65 = cie::illuminant("D65").unwrap();
+            let [r, g, b] = camera.raw(&image(&d65)).unwrap()[0];
             // The matrix takes D65 for the nearest that three channels can tell.
             assert!((r / g - 1.0).abs() < 0.12 && (b / g - 1.0).abs() < 0.12, "{r} {g} {b}");
             let matrix = camera.display_matrix(&Display::srgb()).unwrap();
@@ -210,7 +198,7 @@ mod tests {
 
     #[test]
     fn bright_red_turns_to_orange_and_yellow() {
-        let camera = Camera::nikon_d5100();
+        let camera = PhotoCamera::nikon_d5100();
         let red = Spectrum::from_pairs("red", [(599.0, 0.0), (600.0, 1.0), (780.0, 1.0)]).unwrap();
         let raw = camera.raw(&image(&red)).unwrap()[0];
         let ratio = |factor: f64| {
@@ -225,7 +213,7 @@ mod tests {
     #[test]
     fn equal_channels_are_refused() {
         let one = Spectrum::constant(1.0);
-        let camera = Camera::new("gray", [one.clone(), one.clone(), one]);
+        let camera = PhotoCamera::new("gray", [one.clone(), one.clone(), one]);
         let message = camera.raw(&image(&Spectrum::constant(1.0))).unwrap_err().to_string();
         assert_eq!(message, "camera: the channels' sensitivities are zero or depend on each other");
     }

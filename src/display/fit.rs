@@ -5,7 +5,7 @@ use super::measured::MeasuredCurve;
 use super::model::{CHANNELS, Display, DisplayParameters};
 use crate::color::{Lab, Xyz};
 use crate::error::{Error, Result};
-use crate::fit::{Estimate, Residual, Table, check_table, minimize};
+use crate::fit::{Estimate, MeasuredTable, Residual, check_table, minimize};
 
 /// What one digit of one channel was measured to show, black included.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,19 +13,19 @@ pub struct RampPatch {
     /// 0 to 2ⁿ − 1.
     pub digit: f64,
     /// What was measured.
-    pub light: Light,
+    pub light: RampLight,
 }
 
 /// cd/m².
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Light {
+pub enum RampLight {
     /// Y alone, cd/m².
     Luminance(f64),
     /// X, Y and Z, cd/m².
     Xyz(Xyz),
 }
 
-impl Light {
+impl RampLight {
     /// cd/m².
     pub fn luminance(self) -> f64 {
         match self {
@@ -197,8 +197,8 @@ impl DisplayMeasurement {
         let dark: Vec<Xyz> = firsts
             .filter(|patch| patch.digit == 0.0)
             .map(|patch| match patch.light {
-                Light::Xyz(color) => color,
-                Light::Luminance(y) => Xyz::new(0.0, y, 0.0),
+                RampLight::Xyz(color) => color,
+                RampLight::Luminance(y) => Xyz::new(0.0, y, 0.0),
             })
             .collect();
         let sum = dark.iter().fold(Xyz::default(), |sum, color| sum + *color);
@@ -212,7 +212,7 @@ const MIN_PATCHES: usize = 3;
 fn fit_channel(object: &str, ramp: &[RampPatch], full: f64, black_y: f64) -> Result<ChannelFit> {
     let rows: Vec<(f64, f64)> = ramp.iter().map(|p| (p.digit, p.light.luminance())).collect();
     let columns = ["digit", "luminance"];
-    check_table(&Table { object, columns, min_rows: MIN_PATCHES, max_plateau: 1 }, &rows)?;
+    check_table(&MeasuredTable { object, columns, min_rows: MIN_PATCHES, max_plateau: 1 }, &rows)?;
     let (first, (last, max)) = (rows[0].0, rows[rows.len() - 1]);
     if first < 0.0 || last != full {
         let problem = format!("digits are {first} to {last}, allowed: 0 or above, up to {full}");
@@ -254,7 +254,7 @@ fn matrix_of(measurement: &DisplayMeasurement, black: Xyz) -> Result<[[f64; 3]; 
     }
     let mut matrix = [[0.0; 3]; 3];
     for (c, ramp) in measurement.ramps.iter().enumerate() {
-        let Some(Light::Xyz(color)) = ramp.last().map(|patch| patch.light) else {
+        let Some(RampLight::Xyz(color)) = ramp.last().map(|patch| patch.light) else {
             return Err(Error::MissingKey {
                 object: "display fit".to_owned(),
                 key: "matrix".to_owned(),
@@ -282,7 +282,7 @@ mod tests {
                 let rgb = [0, 1, 2].map(|c| {
                     if c == channel { display.curves()[c].light(digit / full) } else { 0.0 }
                 });
-                RampPatch { digit, light: Light::Xyz(display.xyz_from_linear(rgb)) }
+                RampPatch { digit, light: RampLight::Xyz(display.xyz_from_linear(rgb)) }
             };
             (0..count).map(patch).collect()
         })
@@ -318,7 +318,7 @@ mod tests {
     fn luminances_need_a_matrix() {
         let mut bare = measurement(5);
         for patch in bare.ramps.iter_mut().flatten() {
-            patch.light = Light::Luminance(patch.light.luminance());
+            patch.light = RampLight::Luminance(patch.light.luminance());
         }
         assert_eq!(
             fit_display(&bare, CurveKind::Gog).unwrap_err().to_string(),
@@ -344,7 +344,7 @@ mod tests {
             "display fit: green: row 3: digit 63.75 follows 127.5, must ascend"
         );
         assert_eq!(
-            message(|ramp| ramp[2].light = Light::Luminance(f64::NAN)),
+            message(|ramp| ramp[2].light = RampLight::Luminance(f64::NAN)),
             "display fit: green: row 3: luminance is NaN, allowed: finite, at least 0"
         );
         let saturated = message(|ramp| ramp[3].light = ramp[4].light);
@@ -357,7 +357,7 @@ mod tests {
         assert_eq!(
             message(|ramp| ramp
                 .iter_mut()
-                .for_each(|p| p.light = Light::Luminance(p.digit * 1e-4))),
+                .for_each(|p| p.light = RampLight::Luminance(p.digit * 1e-4))),
             "display fit: green: row 5: luminance 0.025500000000000002 is not above black's 0.53"
         );
     }

@@ -150,7 +150,7 @@ fn border(image: &XyzImage) -> Xyz {
 
 /// Light that a pixel sends to the pixels around it, one quadrant.
 fn glare_kernel(image: &XyzImage, fov_deg: f64, glare: &Glare) -> Kernel {
-    let cell = Cell {
+    let cell = PixelSquare {
         glare,
         pitch: 2.0 * (0.5 * fov_deg).to_radians().tan() / image.height as f64,
         share: glare.strength / glare.integral(),
@@ -162,14 +162,14 @@ fn glare_kernel(image: &XyzImage, fov_deg: f64, glare: &Glare) -> Kernel {
 }
 
 /// Integrates the point-spread over squares of the image plane, in pixels from the source.
-struct Cell<'a> {
+struct PixelSquare<'a> {
     glare: &'a Glare,
     /// Side of a pixel where the image plane is at distance 1.
     pitch: f64,
     share: f64,
 }
 
-impl Cell<'_> {
+impl PixelSquare<'_> {
     fn pixel(&self, dx: f64, dy: f64) -> f64 {
         if (dx, dy) == (0.0, 0.0) {
             return 4.0 * self.square(0.0, 0.0, 0.5);

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::camera::Camera;
+use super::camera::PhotoCamera;
 use super::exposure::{DUSK_CD_M2, Exposure};
 use super::gamut::{Gamut, GamutMap, GamutReport};
 use super::glare::{Glare, GlareReport, apply_glare};
@@ -29,7 +29,7 @@ pub struct Look {
     /// The eye whose glare the picture shows, if any.
     pub glare: Option<Glare>,
     /// A camera that looks in place of the eye; tone, gamut and glare are the eye's.
-    pub camera: Option<Camera>,
+    pub camera: Option<PhotoCamera>,
 }
 
 impl Default for Look {
@@ -78,7 +78,7 @@ impl Look {
 
     /// What a camera records: other sensitivities than the eye's, and channels that fill up.
     pub fn camera() -> Self {
-        Self { camera: Some(Camera::nikon_d5100()), ..Self::paper() }
+        Self { camera: Some(PhotoCamera::nikon_d5100()), ..Self::paper() }
     }
 }
 
@@ -123,7 +123,7 @@ enum Observed {
     /// Behind the eye's optics.
     Eye(XyzImage),
     /// Channels of the camera, balanced.
-    Camera(Camera, Vec<[f64; 3]>),
+    Camera(PhotoCamera, Vec<[f64; 3]>),
 }
 
 impl Look {
@@ -137,7 +137,7 @@ impl Look {
 
     /// The light of `image` behind the eye's optics or the camera's filters.
     ///
-    /// Errors: as [`apply_glare`] and [`Camera::raw`]; glare for an image whose view is not known;
+    /// Errors: as [`apply_glare`] and [`PhotoCamera::raw`]; glare for an image whose view is not known;
     /// a pixel that is NaN or infinite, named.
     pub fn latent(&self, image: &SpectralImage) -> Result<Latent> {
         let (light, glare) = match &self.camera {
@@ -211,7 +211,7 @@ impl Look {
     /// A photograph has clipped what it cannot show before the display comes to it.
     fn show_photograph(
         &self,
-        camera: &Camera,
+        camera: &PhotoCamera,
         raw: &[[f64; 3]],
         factor: f64,
     ) -> Result<(Vec<[u16; 3]>, GamutReport)> {

@@ -16,11 +16,11 @@ mod table;
 mod tone;
 mod verify;
 
-pub use camera::Camera;
+pub use camera::PhotoCamera;
 pub use curve::{Curve, PQ_MAX_CD_M2, Toe};
 pub use exposure::{DUSK_CD_M2, Exposure};
 pub use fit::{
-    ChannelFit, CurveKind, DisplayFit, DisplayMeasurement, Light, RampPatch, WorstLevel,
+    ChannelFit, CurveKind, DisplayFit, DisplayMeasurement, RampLight, RampPatch, WorstLevel,
     fit_display,
 };
 pub use gamut::{Gamut, GamutMap, GamutReport};
@@ -31,4 +31,6 @@ pub use model::{CHANNELS, Display, DisplayParameters};
 pub use profile::{ProfiledDisplay, display_from_profile, is_icc_profile, read_profile};
 pub use table::{read_patches, read_ramps};
 pub use tone::{MIDDLE_GRAY, Tone, ToneCurve};
-pub use verify::{Fault, Patch, PatchError, ROUGH_MEAN, TABLE_3, Verdict, Verification, verify};
+pub use verify::{
+    ColorPatch, MisfitCause, PatchError, ROUGH_MEAN, TABLE_3, Verdict, Verification, verify,
+};

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use super::fit::{Light, RampPatch};
-use super::verify::Patch;
+use super::fit::{RampLight, RampPatch};
+use super::verify::ColorPatch;
 use crate::color::Xyz;
 use crate::columns::{Table, TableFormat, TableRow};
 use crate::error::{Error, Place, Result};
 
 /// What drives gave, as a table has it.
 #[derive(Debug, Clone, Copy)]
-struct Level {
+struct RampLevel {
     drives: [f64; 3],
-    light: Light,
+    light: RampLight,
 }
 
 /// Ramps of the three channels from a file, in digits of `bits` bits.
@@ -36,7 +36,7 @@ pub fn read_ramps(path: &Path, bits: u32) -> Result<[Vec<RampPatch>; 3]> {
     }
     let scale = digit_scale(&table, levels.iter().flat_map(|level| level.drives), bits);
     let mut ramps: [Vec<RampPatch>; 3] = Default::default();
-    for Level { drives, light } in levels {
+    for RampLevel { drives, light } in levels {
         for (channel, ramp) in ramps.iter_mut().enumerate() {
             let others = (0..3).filter(|&other| other != channel).all(|other| drives[other] == 0.0);
             // Black is the first level of every ramp.
@@ -60,27 +60,28 @@ fn snapped(digit: f64, bits: u32) -> f64 {
 
 /// Patches from a file with the columns R, G, B, X, Y, Z or from Argyll's `.ti3`; digits and errors
 /// as [`read_ramps`].
-pub fn read_patches(path: &Path, bits: u32) -> Result<Vec<Patch>> {
+pub fn read_patches(path: &Path, bits: u32) -> Result<Vec<ColorPatch>> {
     let table = Table::read(path)?;
     let levels = triples(&table)?;
     let scale = digit_scale(&table, levels.iter().flat_map(|level| level.drives), bits);
     let rows = levels.into_iter().zip(table.rows());
     rows.map(|(level, row)| match level.light {
-        Light::Xyz(measured) => {
-            Ok(Patch { digits: level.drives.map(|drive| snapped(drive * scale, bits)), measured })
-        }
-        Light::Luminance(_) => Err(row.wrong_width("r, g, b, X, Y, Z")),
+        RampLight::Xyz(measured) => Ok(ColorPatch {
+            digits: level.drives.map(|drive| snapped(drive * scale, bits)),
+            measured,
+        }),
+        RampLight::Luminance(_) => Err(row.wrong_width("r, g, b, X, Y, Z")),
     })
     .collect()
 }
 
 /// A row of a channel's name, its drive, and its light.
-fn labelled(row: &TableRow) -> Result<Level> {
+fn labelled(row: &TableRow) -> Result<RampLevel> {
     let name = row.cells().next().unwrap_or_default();
     let numbers = row.numbers_from(1)?;
     let light = match numbers[..] {
-        [_, y] => Light::Luminance(y),
-        [_, x, y, z] => Light::Xyz(Xyz::new(x, y, z)),
+        [_, y] => RampLight::Luminance(y),
+        [_, x, y, z] => RampLight::Xyz(Xyz::new(x, y, z)),
         _ => return Err(row.wrong_width("channel, digit, luminance or X, Y, Z")),
     };
     let channel = channel_of(name)
@@ -89,7 +90,7 @@ fn labelled(row: &TableRow) -> Result<Level> {
         Some(channel) => std::array::from_fn(|c| if c == channel { numbers[0] } else { 0.0 }),
         None => [numbers[0]; 3],
     };
-    Ok(Level { drives, light })
+    Ok(RampLevel { drives, light })
 }
 
 /// Red, green or blue; `Some(None)` for grays, white and black.
@@ -107,7 +108,7 @@ fn channel_of(name: &str) -> Option<Option<usize>> {
 }
 
 /// Rows of three drives and light, by their names or in this order.
-fn triples(table: &Table) -> Result<Vec<Level>> {
+fn triples(table: &Table) -> Result<Vec<RampLevel>> {
     let rgb = ["R", "G", "B"].map(|c| table.column(&[&format!("RGB_{c}"), c]));
     let xyz = ["X", "Y", "Z"].map(|c| table.column(&[&format!("XYZ_{c}"), c]));
     if let ([Some(r), Some(g), Some(b)], [Some(x), Some(y), Some(z)]) = (rgb, xyz) {
@@ -118,16 +119,16 @@ fn triples(table: &Table) -> Result<Vec<Level>> {
                 let number = |column: usize| row.number(column);
                 let color = Xyz::new(number(x)?, number(y)?, number(z)?) * scale;
                 let drives = [number(r)?, number(g)?, number(b)?];
-                Ok(Level { drives, light: Light::Xyz(color) })
+                Ok(RampLevel { drives, light: RampLight::Xyz(color) })
             })
             .collect();
     }
     table
         .rows()
         .map(|row| match row.numbers_from(0)?[..] {
-            [r, g, b, y] => Ok(Level { drives: [r, g, b], light: Light::Luminance(y) }),
+            [r, g, b, y] => Ok(RampLevel { drives: [r, g, b], light: RampLight::Luminance(y) }),
             [r, g, b, x, y, z] => {
-                Ok(Level { drives: [r, g, b], light: Light::Xyz(Xyz::new(x, y, z)) })
+                Ok(RampLevel { drives: [r, g, b], light: RampLight::Xyz(Xyz::new(x, y, z)) })
             }
             _ => Err(row.wrong_width("r, g, b, X, Y, Z")),
         })
@@ -164,23 +165,23 @@ fn digit_scale(table: &Table, drives: impl Iterator<Item = f64>, bits: u32) -> f
 mod tests {
     use super::*;
     use crate::display::{CurveKind, Display, DisplayMeasurement, fit_display};
-    use crate::output::scratch::Scratch;
+    use crate::output::scratch::ScratchFolder;
 
-    fn file(scratch: &Scratch, text: &str) -> std::path::PathBuf {
+    fn file(scratch: &ScratchFolder, text: &str) -> std::path::PathBuf {
         let path = scratch.path("t.csv");
         std::fs::write(&path, text).unwrap();
         path
     }
 
     fn ramps_of(text: &str, bits: u32) -> [Vec<RampPatch>; 3] {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         read_ramps(&file(&scratch, text), bits).unwrap()
     }
 
     #[test]
     fn ramps_in_luminance_and_drives() {
         let [red, green, blue] = ramps_of("# a\nchannel,drive,Y\nR,0.5,2\nB,1,3\nR, 1, 4\n", 8);
-        let patch = |digit, y| RampPatch { digit, light: Light::Luminance(y) };
+        let patch = |digit, y| RampPatch { digit, light: RampLight::Luminance(y) };
         assert_eq!(red, [patch(127.5, 2.0), patch(255.0, 4.0)]);
         assert_eq!((green, blue), (vec![], vec![patch(255.0, 3.0)]));
     }
@@ -262,16 +263,16 @@ mod tests {
 
     #[test]
     fn patches_in_digits() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = file(&scratch, "0,128,255,1,2,3\n");
         let measured = Xyz::new(1.0, 2.0, 3.0);
-        let expected = Patch { digits: [0.0, 128.0, 255.0], measured };
+        let expected = ColorPatch { digits: [0.0, 128.0, 255.0], measured };
         assert_eq!(read_patches(&path, 8).unwrap(), [expected]);
     }
 
     #[test]
     fn bad_rows_are_named() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let commas =
             ": decimal commas? then write semicolons between the columns, or points in the numbers";
         let ending = |text: &str| {

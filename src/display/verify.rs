@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 
 /// What three digits were measured to show.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Patch {
+pub struct ColorPatch {
     /// 0 to 2ⁿ − 1.
     pub digits: [f64; 3],
     /// cd/m², black included.
@@ -19,7 +19,7 @@ pub struct Patch {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PatchError {
     /// Digits, and what was measured.
-    pub patch: Patch,
+    pub patch: ColorPatch,
     /// What the model shows for the digits, cd/m².
     pub predicted: Xyz,
     /// CIE 1976 difference of prediction and measurement.
@@ -55,12 +55,12 @@ pub enum Verdict {
     /// Mean below [`ROUGH_MEAN`].
     Roughly,
     /// Neither; the tone curve is of another kind.
-    Fails(Fault),
+    Fails(MisfitCause),
 }
 
 /// Where a model that fails is wrong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Fault {
+pub enum MisfitCause {
     /// Some grays are predicted too light, others too dark, as for the S-shaped curve of an LCD.
     ToneCurve,
     /// Grays are predicted too light.
@@ -81,17 +81,17 @@ impl fmt::Display for Verdict {
         f.write_str(match self {
             Self::Describes => "the model describes this display",
             Self::Roughly => "the model describes this display only roughly",
-            Self::Fails(Fault::ToneCurve) => {
+            Self::Fails(MisfitCause::ToneCurve) => {
                 "the model does not describe this display: its tone curve is of another kind, \
                  such as the S-shape of an LCD"
             }
-            Self::Fails(Fault::TooLight) => {
+            Self::Fails(MisfitCause::TooLight) => {
                 "the model does not describe this display: it predicts colors too light"
             }
-            Self::Fails(Fault::TooDark) => {
+            Self::Fails(MisfitCause::TooDark) => {
                 "the model does not describe this display: it predicts colors too dark"
             }
-            Self::Fails(Fault::Color) => {
+            Self::Fails(MisfitCause::Color) => {
                 "the model does not describe this display: its primaries do not add up"
             }
         })
@@ -112,7 +112,7 @@ impl Verification {
 ///
 /// Errors: [`Error::Inconsistent`] for no patches, or with the row (from 1) of a patch whose
 /// digits are out of range or whose XYZ is negative or not finite.
-pub fn verify(display: &Display, patches: &[Patch]) -> Result<Verification> {
+pub fn verify(display: &Display, patches: &[ColorPatch]) -> Result<Verification> {
     if patches.is_empty() {
         return Err(Error::inconsistent("display verification", "has no patches"));
     }
@@ -129,7 +129,7 @@ pub fn verify(display: &Display, patches: &[Patch]) -> Result<Verification> {
     Ok(Verification { mean, max, mean_2000, max_2000, patches, verdict })
 }
 
-fn check_patch(display: &Display, number: usize, patch: &Patch) -> Result<()> {
+fn check_patch(display: &Display, number: usize, patch: &ColorPatch) -> Result<()> {
     let full = f64::from(display.full_digit());
     let refuse = |what: &str, value: f64, allowed: String| {
         let problem = format!("row {number}: {what} is {value}, allowed: {allowed}");
@@ -148,7 +148,7 @@ fn check_patch(display: &Display, number: usize, patch: &Patch) -> Result<()> {
     Ok(())
 }
 
-fn compare(display: &Display, white: Xyz, patch: Patch) -> PatchError {
+fn compare(display: &Display, white: Xyz, patch: ColorPatch) -> PatchError {
     let predicted = display.xyz_from_digits(patch.digits);
     let [p, q] = [predicted, patch.measured].map(|color| Lab::from_xyz(color, white));
     PatchError {
@@ -185,24 +185,24 @@ fn judge([mean_ab, max_ab]: [f64; 2], patches: &[PatchError]) -> Verdict {
     let some_too_light = judged.iter().any(|p| p.lightness_error > visible);
     let some_too_dark = judged.iter().any(|p| p.lightness_error < -visible);
     Verdict::Fails(if size < 0.3 * mean_ab {
-        Fault::Color
+        MisfitCause::Color
     } else if some_too_light && some_too_dark {
-        Fault::ToneCurve
+        MisfitCause::ToneCurve
     } else if some_too_light {
-        Fault::TooLight
+        MisfitCause::TooLight
     } else {
-        Fault::TooDark
+        MisfitCause::TooDark
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::Choice;
+    use crate::columns::TableChoice;
     use std::path::PathBuf;
 
     use crate::display::{Curve, DisplayFit, DisplayMeasurement, DisplayParameters};
-    use crate::display::{CurveKind, Light, RampPatch, fit_display, read_patches, read_ramps};
+    use crate::display::{CurveKind, RampLight, RampPatch, fit_display, read_patches, read_ramps};
     use crate::spectrum::Spectrum;
 
     fn data(name: &str) -> PathBuf {
@@ -213,7 +213,10 @@ mod tests {
     /// The measured CRT's light at digit 0, which its other tables have been freed of.
     fn crt_black() -> Xyz {
         // W·m⁻²·sr⁻¹ per 4 nm.
-        Spectrum::load(&data("ambient_spectrum"), &Choice::default()).unwrap().scaled(0.25).xyz()
+        Spectrum::load(&data("ambient_spectrum"), &TableChoice::default())
+            .unwrap()
+            .scaled(0.25)
+            .xyz()
     }
 
     /// Levels of the measured CRT at `thirtieths` of full drive, black included.
@@ -221,10 +224,10 @@ mod tests {
         let black = crt_black();
         let mut ramps = read_ramps(&data("xyz_rgb_ramps"), 8).unwrap();
         for ramp in &mut ramps {
-            ramp.insert(0, RampPatch { digit: 0.0, light: Light::Xyz(Xyz::default()) });
+            ramp.insert(0, RampPatch { digit: 0.0, light: RampLight::Xyz(Xyz::default()) });
             *ramp = thirtieths.iter().map(|&level| ramp[level]).collect();
             for patch in ramp.iter_mut() {
-                if let Light::Xyz(color) = &mut patch.light {
+                if let RampLight::Xyz(color) = &mut patch.light {
                     *color = *color + black;
                 }
             }
@@ -267,7 +270,7 @@ mod tests {
         }
     }
 
-    fn crt_patches() -> Vec<Patch> {
+    fn crt_patches() -> Vec<ColorPatch> {
         let mut patches = read_patches(&data("SEMISYNTHETIC_216_patches"), 8).unwrap();
         patches.iter_mut().for_each(|patch| patch.measured = patch.measured + crt_black());
         patches
@@ -294,7 +297,7 @@ mod tests {
     fn a_display_describes_itself() {
         let display = Display::eizo_t766();
         let digits = [[0.0; 3], [10.0, 200.0, 30.0], [255.0; 3]];
-        let patch = |digits| Patch { digits, measured: display.xyz_from_digits(digits) };
+        let patch = |digits| ColorPatch { digits, measured: display.xyz_from_digits(digits) };
         let found = verify(&display, &digits.map(patch)).unwrap();
         assert_eq!((found.mean, found.max, found.max_2000), (0.0, 0.0, 0.0));
         assert_eq!(found.verdict, Verdict::Describes);
@@ -311,7 +314,7 @@ mod tests {
                 let digit = 63.75 * f64::from(i);
                 let mut digits = [0.0; 3];
                 digits[channel] = digit;
-                RampPatch { digit, light: Light::Xyz(shown(digits)) }
+                RampPatch { digit, light: RampLight::Xyz(shown(digits)) }
             })
         };
         let lcd = DisplayMeasurement {
@@ -328,10 +331,10 @@ mod tests {
         let levels = || (0..6).map(|i| 51.0 * f64::from(i));
         let all =
             levels().flat_map(|r| levels().flat_map(move |g| levels().map(move |b| [r, g, b])));
-        let patches: Vec<Patch> =
-            all.map(|digits| Patch { digits, measured: shown(digits) }).collect();
+        let patches: Vec<ColorPatch> =
+            all.map(|digits| ColorPatch { digits, measured: shown(digits) }).collect();
         let found = verify(&fit.unwrap().display, &patches).unwrap();
-        assert_eq!(found.verdict, Verdict::Fails(Fault::ToneCurve));
+        assert_eq!(found.verdict, Verdict::Fails(MisfitCause::ToneCurve));
         assert!(found.verdict.to_string().ends_with("the S-shape of an LCD"));
         // Through five levels, the curve is off between them; through 17 it is not.
         let through = verify(&measured, &patches).unwrap();
@@ -344,10 +347,10 @@ mod tests {
         let turned = |digits: [f64; 3]| display.xyz_from_digits([digits[1], digits[0], digits[2]]);
         let reds = (1..=5).map(|i| [51.0 * f64::from(i), 0.0, 0.0]);
         let pairs = reds.flat_map(|[r, g, b]| [[r, g, b], [g, r, b]]);
-        let patches: Vec<Patch> =
-            pairs.map(|digits| Patch { digits, measured: turned(digits) }).collect();
+        let patches: Vec<ColorPatch> =
+            pairs.map(|digits| ColorPatch { digits, measured: turned(digits) }).collect();
         let found = verify(&display, &patches).unwrap();
-        assert_eq!(found.verdict, Verdict::Fails(Fault::Color));
+        assert_eq!(found.verdict, Verdict::Fails(MisfitCause::Color));
     }
 
     #[test]
@@ -364,9 +367,10 @@ mod tests {
         };
         let truth = of_gamma(2.2);
         let grays = (1..=5).map(|i| [51.0 * f64::from(i); 3]);
-        let patches: Vec<Patch> =
-            grays.map(|digits| Patch { digits, measured: truth.xyz_from_digits(digits) }).collect();
-        for (gamma, fault) in [(1.2, Fault::TooLight), (4.0, Fault::TooDark)] {
+        let patches: Vec<ColorPatch> = grays
+            .map(|digits| ColorPatch { digits, measured: truth.xyz_from_digits(digits) })
+            .collect();
+        for (gamma, fault) in [(1.2, MisfitCause::TooLight), (4.0, MisfitCause::TooDark)] {
             let found = verify(&of_gamma(gamma), &patches).unwrap();
             assert_eq!(found.verdict, Verdict::Fails(fault));
         }
@@ -376,7 +380,7 @@ mod tests {
     fn bad_patches_are_named() {
         let display = Display::srgb();
         let message = |digits, measured| {
-            verify(&display, &[Patch { digits, measured }]).unwrap_err().to_string()
+            verify(&display, &[ColorPatch { digits, measured }]).unwrap_err().to_string()
         };
         assert_eq!(
             message([0.0, 256.0, 0.0], Xyz::default()),

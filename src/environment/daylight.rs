@@ -12,7 +12,9 @@ use crate::spectrum::{Spectrum, WavelengthGrid};
 /// What is said of a day.
 #[derive(Debug, Clone)]
 pub struct Daylight {
+    /// Which distribution of luminance the sky has.
     pub kind: SkyKind,
+    /// Where the sun is; `None` leaves its light out.
     pub sun: Option<SunPlace>,
     /// Luminous turbidity of the air: 1 is clean, 2 to 3 clear, 5 hazy.
     pub turbidity: f64,
@@ -27,12 +29,13 @@ pub struct Daylight {
 /// Where the sun stands.
 #[derive(Debug, Clone)]
 pub struct SunPlace {
+    /// Turned about +Y from +Z toward +X, degrees.
     pub azimuth_deg: f64,
     /// 0 to 90.
     pub elevation_deg: f64,
     /// lx facing it; 0 leaves the disc out. By turbidity if not given.
     pub illuminance_lx: Option<f64>,
-    /// Of CIE daylight; its spectrum follows from the air if not given.
+    /// Color temperature of CIE daylight, K; its spectrum follows from the air if not given.
     pub cct_k: Option<f64>,
 }
 

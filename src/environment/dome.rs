@@ -16,8 +16,11 @@ pub type Luminances = [f64; CHANNELS];
 /// Luminance by direction, in the surroundings' own coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Dome {
+    /// A latitude–longitude picture.
     Picture(Picture),
+    /// A sky over an even ground.
     Sky(Sky),
+    /// A room with luminous panels.
     Room(Room),
 }
 

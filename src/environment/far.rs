@@ -35,7 +35,7 @@ const SMALLEST_ERROR: f64 = 1e-5;
 /// before the surroundings: a corner that sees next to nothing is not worth thousands of rays.
 const SHADED: f64 = 0.25;
 
-/// Of the error that is asked for: without shadow rays a sum is cheap, and a furnace even to 1e-4.
+/// Part of the error that is asked for: without shadow rays a sum is cheap, and a furnace even to 1e-4.
 const WITHOUT_SHADOWS: f64 = 0.4;
 
 /// Whether the surroundings are seen in a direction.
@@ -45,15 +45,15 @@ pub(super) type Sight<'a> = &'a dyn Fn(DVec3) -> bool;
 #[derive(Debug, Clone)]
 pub(super) struct FarTree {
     table: CellTable,
-    branches: Vec<Branch>,
+    branches: Vec<FarBranch>,
     /// ∫ L over the sphere.
     light: f64,
 }
 
 #[derive(Debug, Clone)]
-struct Branch {
+struct FarBranch {
     node: Node,
-    /// Of its halves in [`FarTree::branches`]; none for leaves.
+    /// Places of its halves in [`FarTree::branches`]; none for leaves.
     halves: Option<[u32; 2]>,
 }
 
@@ -64,6 +64,7 @@ pub struct FarSum {
     pub values: Luminances,
     /// Estimate of how wrong their sum is.
     pub error: f64,
+    /// Nodes that were evaluated.
     pub nodes: u32,
 }
 
@@ -91,7 +92,7 @@ impl FarTree {
     ) -> FarSum {
         let share = if sight.is_some() { 1.0 } else { WITHOUT_SHADOWS };
         let largest_error = (share * largest_error).max(SMALLEST_ERROR);
-        Descent { tree: self, dome, lobes, largest_error, sight }.run()
+        FarDescent { tree: self, dome, lobes, largest_error, sight }.run()
     }
 }
 
@@ -123,7 +124,7 @@ fn plan_branches(patch: Patch, cells: Cells, plan: &mut Vec<Planned>) -> u32 {
 }
 
 /// Halves follow what they are halves of, so that from the end on they are there when needed.
-fn assemble(plan: &[Planned], leaves: Vec<Node>) -> Vec<Branch> {
+fn assemble(plan: &[Planned], leaves: Vec<Node>) -> Vec<FarBranch> {
     let mut leaves = leaves.into_iter().rev();
     let mut nodes: Vec<Option<Node>> = vec![None; plan.len()];
     for (at, planned) in plan.iter().enumerate().rev() {
@@ -136,14 +137,14 @@ fn assemble(plan: &[Planned], leaves: Vec<Node>) -> Vec<Branch> {
         };
     }
     let branch = |(node, planned): (Option<Node>, &Planned)| {
-        node.map(|node| Branch { node, halves: planned.halves })
+        node.map(|node| FarBranch { node, halves: planned.halves })
     };
     nodes.into_iter().zip(plan).filter_map(branch).collect()
 }
 
 /// A node that stands for its part of the sphere.
 #[derive(Debug, Clone, Copy)]
-struct Leaf {
+struct FarLeaf {
     /// In the tree; None for what was looked up.
     index: Option<u32>,
     patch: Patch,
@@ -155,15 +156,15 @@ struct Leaf {
     error: f64,
 }
 
-impl Leaf {
-    fn borders_on(&self, other: &Leaf) -> bool {
+impl FarLeaf {
+    fn borders_on(&self, other: &FarLeaf) -> bool {
         let reach = self.radius + other.radius;
         self.is_hidden != other.is_hidden
             && self.center.distance_squared(other.center) <= reach * reach
     }
 }
 
-struct Descent<'a> {
+struct FarDescent<'a> {
     tree: &'a FarTree,
     dome: &'a Dome,
     lobes: &'a [FarLobe],
@@ -171,7 +172,7 @@ struct Descent<'a> {
     sight: Option<Sight<'a>>,
 }
 
-impl Descent<'_> {
+impl FarDescent<'_> {
     fn run(&self) -> FarSum {
         let mut leaves = Vec::with_capacity(256);
         let mut nodes = 0;
@@ -192,8 +193,8 @@ impl Descent<'_> {
     }
 
     /// See [`SHADED`].
-    fn shaded(&self, leaves: &[Leaf]) -> f64 {
-        let open = |leaf: &Leaf| leaf.sum.values.iter().sum::<f64>();
+    fn shaded(&self, leaves: &[FarLeaf]) -> f64 {
+        let open = |leaf: &FarLeaf| leaf.sum.values.iter().sum::<f64>();
         let share = if self.sight.is_some() { SHADED } else { 0.0 };
         share * leaves.iter().map(open).sum::<f64>()
     }
@@ -204,7 +205,7 @@ impl Descent<'_> {
         DARK * 0.5 * self.tree.light * self.lobes.iter().map(weigh).sum::<f64>()
     }
 
-    fn expand(&self, leaf: Leaf, leaves: &mut Vec<Leaf>) {
+    fn expand(&self, leaf: FarLeaf, leaves: &mut Vec<FarLeaf>) {
         let halves = leaf.index.and_then(|index| self.tree.branches[index as usize].halves);
         match halves {
             Some(halves) => {
@@ -222,7 +223,7 @@ impl Descent<'_> {
     }
 
     /// Leaves out what sends nothing.
-    fn push(&self, index: Option<u32>, node: Node, leaves: &mut Vec<Leaf>) {
+    fn push(&self, index: Option<u32>, node: Node, leaves: &mut Vec<FarLeaf>) {
         let sum = node.sum(self.lobes);
         if sum.most == 0.0 {
             return;
@@ -231,19 +232,19 @@ impl Descent<'_> {
         let is_seen = |sight: Sight| !is_judged || sight(node.mean_direction());
         let is_hidden = !self.sight.is_none_or(is_seen);
         let Node { patch, center, radius, .. } = node;
-        leaves.push(Leaf { index, patch, center, radius, sum, is_hidden, error: sum.error });
+        leaves.push(FarLeaf { index, patch, center, radius, sum, is_hidden, error: sum.error });
     }
 
     /// Sets errors: too wide nodes may be hidden in part, and so may those on both sides of where
     /// seen and hidden ones touch. There a ray through the middle tells which half is larger, and
     /// what is wrong at one node cancels what is wrong at others: twice the root of the sum of
     /// squares is taken for all.
-    fn judge(&self, leaves: &mut [Leaf]) {
+    fn judge(&self, leaves: &mut [FarLeaf]) {
         if self.sight.is_none() {
             return;
         }
-        let touches = |leaf: &Leaf| leaves.iter().any(|other| leaf.borders_on(other));
-        let doubt = |leaf: &Leaf| if touches(leaf) { 0.5 * leaf.sum.most } else { 0.0 };
+        let touches = |leaf: &FarLeaf| leaves.iter().any(|other| leaf.borders_on(other));
+        let doubt = |leaf: &FarLeaf| if touches(leaf) { 0.5 * leaf.sum.most } else { 0.0 };
         let doubts: Vec<f64> = leaves.iter().map(doubt).collect();
         let squares: f64 = doubts.iter().map(|doubt| doubt * doubt).sum();
         let sum: f64 = doubts.iter().sum();
@@ -256,7 +257,7 @@ impl Descent<'_> {
     }
 }
 
-fn totals(leaves: &[Leaf]) -> (Luminances, f64) {
+fn totals(leaves: &[FarLeaf]) -> (Luminances, f64) {
     let (mut values, mut error) = ([0.0; CHANNELS], 0.0);
     for leaf in leaves {
         error += leaf.error;
@@ -270,8 +271,8 @@ fn totals(leaves: &[Leaf]) -> (Luminances, f64) {
 }
 
 /// Those of the largest errors, so that the errors of the rest sum to at most `kept`.
-fn take_wrongest(leaves: &mut Vec<Leaf>, kept: f64) -> Vec<Leaf> {
-    let place = |leaf: &Leaf| (leaf.patch.low[1], leaf.patch.low[0]);
+fn take_wrongest(leaves: &mut Vec<FarLeaf>, kept: f64) -> Vec<FarLeaf> {
+    let place = |leaf: &FarLeaf| (leaf.patch.low[1], leaf.patch.low[0]);
     leaves.sort_unstable_by(|a, b| match a.error.total_cmp(&b.error) {
         // By place, so that the order does not depend on how they came in.
         Ordering::Equal => place(a).partial_cmp(&place(b)).unwrap_or(Ordering::Equal),

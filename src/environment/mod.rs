@@ -29,7 +29,7 @@ pub use daylight::{Daylight, SunPlace};
 pub use dome::{CHANNELS, Dome, Luminances};
 pub use far::FarSum;
 pub use picture::Picture;
-pub use room::{Panel, Room};
+pub use room::{CeilingPanel, Room};
 pub use sky::{Sky, SkyKind, StandardSky};
 pub use sun::{SUN_RADIUS_RAD, Sun, air_mass, sun_through_air};
 
@@ -51,7 +51,7 @@ pub fn toward(azimuth_deg: f64, elevation_deg: f64) -> DVec3 {
 pub struct Environment {
     dome: Arc<Dome>,
     tree: Arc<FarTree>,
-    /// Of the dome's luminances, relative; at most [`CHANNELS`].
+    /// Spectra of the dome's luminances, relative; at most [`CHANNELS`].
     spectra: Vec<Spectrum>,
     /// Times the dome's luminances.
     scale: f64,
@@ -63,17 +63,20 @@ pub struct Environment {
 /// What arrives at a hit from the surroundings, without spectra and reflectances.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FarLight {
+    /// Through the lobes on the viewer's side.
     pub reflected: FarSide,
+    /// Through the lobes on the far side.
     pub transmitted: FarSide,
+    /// Tree nodes that were evaluated.
     pub nodes: u32,
 }
 
 /// One side of a hit; cd/m².
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FarSide {
-    /// Of the surroundings' spectra.
+    /// Sums for the surroundings' spectra.
     pub dome: Luminances,
-    /// Of the sun's.
+    /// Sum for the sun's spectrum.
     pub sun: f64,
     /// Estimate of how wrong the sum of `dome` is.
     pub error: f64,
@@ -110,14 +113,17 @@ impl Environment {
         Environment { scale: self.scale * factor, ..self }
     }
 
+    /// Luminance by direction, before scale and turn.
     pub fn dome(&self) -> &Dome {
         &self.dome
     }
 
+    /// Relative spectra of the dome's luminances; one to [`CHANNELS`].
     pub fn spectra(&self) -> &[Spectrum] {
         &self.spectra
     }
 
+    /// The sun, if there is one.
     pub fn sun(&self) -> Option<&Sun> {
         self.sun.as_ref()
     }
@@ -223,7 +229,9 @@ impl Environment {
 /// Parts of the specular lobes that count, 0 to 1, on the viewer's and on the far side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpecularShares {
+    /// On the viewer's side.
     pub reflected: f64,
+    /// On the far side.
     pub transmitted: f64,
 }
 

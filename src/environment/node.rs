@@ -10,7 +10,7 @@
 use glam::DVec3;
 
 use super::dome::{CHANNELS, Dome, Luminances};
-use super::patch::{Patch, Spread};
+use super::patch::{DirectionSpread, Patch};
 use super::table::CellTable;
 
 /// Index pairs of a symmetric matrix's six entries.
@@ -32,14 +32,14 @@ const TRIPLES: [([usize; 3], f64); 10] = [
 
 /// ∫ L, and ∫ L of the first three powers of ω − d over a node, for one spectrum.
 #[derive(Debug, Clone, Copy, Default)]
-struct Moments {
+struct RadianceMoments {
     light: f64,
     first: DVec3,
     second: [f64; 6],
     third: [f64; 10],
 }
 
-impl Moments {
+impl RadianceMoments {
     /// Light from about d + `offset`, with the covariance that the axes' outer products sum to.
     fn add(&mut self, light: f64, offset: DVec3, axes: &[DVec3]) {
         let spread = |a: usize, b: usize| axes.iter().map(|axis| axis[a] * axis[b]).sum::<f64>();
@@ -56,8 +56,8 @@ impl Moments {
     }
 
     /// Adds another node's, whose center is this one's plus `s`.
-    fn add_shifted(&mut self, other: &Moments, s: DVec3) {
-        let Moments { light, first, .. } = *other;
+    fn add_shifted(&mut self, other: &RadianceMoments, s: DVec3) {
+        let RadianceMoments { light, first, .. } = *other;
         let second = |a: usize, b: usize| other.second[pair(a, b)];
         for ((sum, third), ([a, b, c], _)) in self.third.iter_mut().zip(other.third).zip(TRIPLES) {
             let once = s[a] * second(b, c) + s[b] * second(a, c) + s[c] * second(a, b);
@@ -88,13 +88,13 @@ impl Moments {
     }
 }
 
-/// Of two indices in [`PAIRS`].
+/// Where [`PAIRS`] has two indices.
 fn pair(a: usize, b: usize) -> usize {
     let (low, high) = (a.min(b), a.max(b));
     if low == 0 { high } else { low + high + 1 }
 }
 
-/// See [`Moments::along`].
+/// See [`RadianceMoments::along`].
 #[derive(Debug, Clone, Copy)]
 struct Powers {
     first: f64,
@@ -129,12 +129,12 @@ pub(super) struct Node {
     pub center: DVec3,
     /// Largest distance of its directions from the center's.
     pub radius: f64,
-    moments: [Moments; CHANNELS],
+    moments: [RadianceMoments; CHANNELS],
 }
 
 impl Node {
     fn empty(patch: Patch) -> Node {
-        let moments = [Moments::default(); CHANNELS];
+        let moments = [RadianceMoments::default(); CHANNELS];
         Node { patch, center: patch.center(), radius: patch.radius(), moments }
     }
 
@@ -154,7 +154,7 @@ impl Node {
         node
     }
 
-    fn add(&mut self, luminances: Luminances, spread: &Spread) {
+    fn add(&mut self, luminances: Luminances, spread: &DirectionSpread) {
         for (moments, luminance) in self.moments.iter_mut().zip(luminances) {
             if luminance > 0.0 {
                 let light = luminance * spread.solid_angle;
@@ -216,14 +216,14 @@ impl Node {
     fn sum_lobe(&self, lobe: &FarLobe, light: f64) -> NodeSum {
         let FarLobe { axis, exponent: n, weight, .. } = *lobe;
         let versine = 0.5 * (self.center - axis).length_squared();
-        let angle = Angle::new(versine, self.radius);
+        let angle = LobeAngle::new(versine, self.radius);
         if angle.x + angle.reach <= 0.0 {
             return NodeSum::default();
         }
         let highest = power(angle.nearest, n);
         let most = weight * light * highest;
         let powers = self.moments.map(|moments| moments.along(axis));
-        let each = |f: &dyn Fn(&Moments, &Powers) -> f64| {
+        let each = |f: &dyn Fn(&RadianceMoments, &Powers) -> f64| {
             let capped = |at: usize| {
                 let moments = &self.moments[at];
                 weight * f(moments, &powers[at]).clamp(0.0, moments.light * highest)
@@ -245,7 +245,7 @@ impl Node {
 }
 
 /// Where a node's directions lie about a lobe's axis.
-struct Angle {
+struct LobeAngle {
     /// Cosine of the angle from the center.
     x: f64,
     /// Largest |t|.
@@ -254,14 +254,14 @@ struct Angle {
     nearest: f64,
 }
 
-impl Angle {
+impl LobeAngle {
     /// For a node whose center has 1 − x = `versine`.
-    fn new(versine: f64, radius: f64) -> Angle {
+    fn new(versine: f64, radius: f64) -> LobeAngle {
         let x = 1.0 - versine;
         let reach = reach(x, radius);
         let sine = (versine * (2.0 - versine)).max(0.0).sqrt();
         let inward = if x < 0.0 { reach } else { sine * radius };
-        Angle { x, reach, nearest: (versine - inward).max(0.0) }
+        LobeAngle { x, reach, nearest: (versine - inward).max(0.0) }
     }
 
     /// Half of how far the bounds of the mean of max(0, ·)ⁿ are apart, a convex function: its value
@@ -272,7 +272,7 @@ impl Angle {
         0.5 * (chord - mean.max(0.0).powf(n)).max(0.0)
     }
 
-    /// Of ω·A.
+    /// Least and largest ω·A.
     fn range(&self) -> [f64; 2] {
         [self.x - self.reach, 1.0 - self.nearest]
     }
@@ -298,7 +298,7 @@ fn power(versine: f64, n: f64) -> f64 {
     if versine >= 1.0 { 0.0 } else { (n * (-versine).ln_1p()).exp() }
 }
 
-impl Moments {
+impl RadianceMoments {
     /// ∫ L (ω·A)ⁿ over xⁿ: to third order, and the fourth as for an even spread.
     fn relative(&self, powers: &Powers, x: f64, n: f64) -> f64 {
         let first = n / x;
@@ -312,7 +312,7 @@ impl Moments {
     }
 
     /// ∫ L max(0, ·)ⁿ over light that is spread evenly about its mean, as wide as it is.
-    fn over_horizon(&self, powers: &Powers, angle: &Angle, n: f64) -> f64 {
+    fn over_horizon(&self, powers: &Powers, angle: &LobeAngle, n: f64) -> f64 {
         if self.light == 0.0 {
             return 0.0;
         }

@@ -107,9 +107,9 @@ impl Patch {
         })
     }
 
-    /// Of the directions in it; for patches much smaller than the sphere (the covariance is of
+    /// Spread of the directions in it; for patches much smaller than the sphere (the covariance is of
     /// second order in its size).
-    pub fn spread(&self) -> Spread {
+    pub fn spread(&self) -> DirectionSpread {
         Band::new(self).spread(self.middle()[0])
     }
 
@@ -119,7 +119,7 @@ impl Patch {
 }
 
 /// Solid angle, mean and covariance of the directions in a patch.
-pub(crate) struct Spread {
+pub(crate) struct DirectionSpread {
     /// sr.
     pub solid_angle: f64,
     pub mean: DVec3,
@@ -156,16 +156,16 @@ impl Band {
         }
     }
 
-    /// Of the patch whose middle is at longitude u.
-    pub fn spread(&self, u: f64) -> Spread {
+    /// Spread of the patch whose middle is at longitude u.
+    pub fn spread(&self, u: f64) -> DirectionSpread {
         let (sin, cos) = (TAU * u).sin_cos();
         self.spread_toward([sin, cos])
     }
 
     /// The same, with sine and cosine of the longitude.
-    pub fn spread_toward(&self, [sin, cos]: [f64; 2]) -> Spread {
+    pub fn spread_toward(&self, [sin, cos]: [f64; 2]) -> DirectionSpread {
         let turned = |[level, up]: [f64; 2]| DVec3::new(-sin * level, up, cos * level);
-        Spread {
+        DirectionSpread {
             solid_angle: self.solid_angle,
             mean: turned(self.mean),
             axes: [turned(self.along), DVec3::new(-cos, 0.0, -sin) * self.across],

@@ -51,14 +51,17 @@ impl Picture {
         Ok((picture, upsampling, outside as f64 / (width * height) as f64))
     }
 
+    /// Pixels around the horizon.
     pub fn width(&self) -> usize {
         self.width
     }
 
+    /// Pixels from zenith to nadir.
     pub fn height(&self) -> usize {
         self.height
     }
 
+    /// Luminances by primary, cd/m², row by row from the zenith.
     pub fn pixels(&self) -> &[[f32; 3]] {
         &self.pixels
     }

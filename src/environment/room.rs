@@ -6,7 +6,7 @@ use super::dome::Luminances;
 
 /// A luminous rectangle in the ceiling.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Panel {
+pub struct CeilingPanel {
     /// mm from the middle of the room: x, z.
     pub center: [f64; 2],
     /// mm along x and z.
@@ -15,7 +15,7 @@ pub struct Panel {
     pub luminance: f64,
 }
 
-impl Panel {
+impl CeilingPanel {
     fn holds(&self, [x, z]: [f64; 2]) -> bool {
         let inside = |at: f64, center: f64, size: f64| (at - center).abs() <= 0.5 * size;
         inside(x, self.center[0], self.size[0]) && inside(z, self.center[1], self.size[1])
@@ -29,13 +29,17 @@ impl Panel {
 pub struct Room {
     /// mm along x and z.
     pub size: [f64; 2],
-    /// Of the ceiling over, and of the floor under the lamp, mm.
+    /// Height of the ceiling over the lamp, mm.
     pub above_mm: f64,
+    /// Depth of the floor under the lamp, mm.
     pub below_mm: f64,
-    pub panels: Vec<Panel>,
+    /// Luminous rectangles of the ceiling; the first that holds a point counts.
+    pub panels: Vec<CeilingPanel>,
     /// cd/m².
     pub ceiling: f64,
+    /// Luminance of the walls, cd/m².
     pub walls: f64,
+    /// Luminance of the floor, cd/m².
     pub floor: f64,
 }
 
@@ -68,7 +72,8 @@ mod tests {
 
     #[test]
     fn each_part_is_where_it_is() {
-        let panel = Panel { center: [1000.0, 0.0], size: [500.0, 2000.0], luminance: 5000.0 };
+        let panel =
+            CeilingPanel { center: [1000.0, 0.0], size: [500.0, 2000.0], luminance: 5000.0 };
         let room = Room {
             size: [6000.0, 8000.0],
             above_mm: 2000.0,

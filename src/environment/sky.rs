@@ -84,6 +84,7 @@ impl StandardSky {
 /// A sky above, and below the horizon an even ground.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sky {
+    /// Which distribution of luminance.
     pub kind: SkyKind,
     /// Unit, toward the sun.
     pub sun: DVec3,

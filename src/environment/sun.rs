@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::spectrum::Spectrum;
 
-/// Of the sun's disc as seen from the earth, mean over the year (32′ across), rad.
+/// Radius of the sun's disc as seen from the earth, mean over the year (32′ across), rad.
 pub const SUN_RADIUS_RAD: f64 = 4.6542e-3;
 
 /// An even disc in the sky.
@@ -16,6 +16,7 @@ pub struct Sun {
     pub direction: DVec3,
     /// lx on a plane that faces it.
     pub illuminance_lx: f64,
+    /// Relative.
     pub spectrum: Spectrum,
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use rayon::prelude::*;
 
 use super::dome::{CHANNELS, Dome, Luminances};
-use super::patch::{Band, Cells, Patch, Spread};
+use super::patch::{Band, Cells, DirectionSpread, Patch};
 
 /// A dome's cells, row by row.
 #[derive(Debug, Clone)]
@@ -35,7 +35,7 @@ impl CellTable {
     }
 
     /// Calls `f` for every cell in a patch that is cut between cells.
-    pub fn for_each(&self, patch: &Patch, mut f: impl FnMut(Luminances, Spread)) {
+    pub fn for_each(&self, patch: &Patch, mut f: impl FnMut(Luminances, DirectionSpread)) {
         let range = |axis: usize, of: usize| {
             let at = |end: f64| (end * of as f64).round() as usize;
             at(patch.low[axis])..at(patch.high[axis])

@@ -7,13 +7,16 @@ use crate::error::{Error, Result};
 
 /// One row's residual and its derivatives by the parameters.
 pub struct Residual<const N: usize> {
+    /// Model minus measurement, weighted.
     pub value: f64,
+    /// Derivative of `value` by each parameter.
     pub gradient: [f64; N],
 }
 
 /// Parameters that minimize a sum of squares.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate<const N: usize> {
+    /// Where the sum is least.
     pub parameters: [f64; N],
     /// Square roots of the diagonal of s² (JᵀJ)⁻¹, where s² is the sum of squares over rows minus
     /// parameters; infinite where the rows do not determine a parameter or its error.

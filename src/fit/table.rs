@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 
 /// A measured table, as a message names it.
-pub struct Table<'a> {
+pub struct MeasuredTable<'a> {
     /// What is fitted, and the table's name if there are several.
     pub object: &'a str,
     /// Names of the two columns.
@@ -19,7 +19,7 @@ pub struct Table<'a> {
 /// Errors: [`Error::Inconsistent`] for too few rows, and with the first row (counted from 1) whose
 /// number is not finite, whose abscissa is not above the one before, whose value is negative, or
 /// with which the values stay at their maximum.
-pub fn check_table(table: &Table, rows: &[(f64, f64)]) -> Result<()> {
+pub fn check_table(table: &MeasuredTable, rows: &[(f64, f64)]) -> Result<()> {
     let refuse = |problem: String| Err(Error::inconsistent(table.object, problem));
     let [abscissa, value] = table.columns;
     for (number, &(x, y)) in (1..).zip(rows) {
@@ -67,8 +67,12 @@ fn plateau(rows: &[(f64, f64)], allowed: usize) -> Option<[usize; 2]> {
 mod tests {
     use super::*;
 
-    const TABLE: Table =
-        Table { object: "fit", columns: ["digit", "luminance"], min_rows: 3, max_plateau: 1 };
+    const TABLE: MeasuredTable = MeasuredTable {
+        object: "fit",
+        columns: ["digit", "luminance"],
+        min_rows: 3,
+        max_plateau: 1,
+    };
 
     fn problem(rows: &[(f64, f64)]) -> String {
         check_table(&TABLE, rows).unwrap_err().to_string()
@@ -77,7 +81,7 @@ mod tests {
     #[test]
     fn good_tables_pass() {
         check_table(&TABLE, &[(0.0, 0.0), (1.0, 0.5), (2.0, 3.0)]).unwrap();
-        let wide = Table { max_plateau: 2, ..TABLE };
+        let wide = MeasuredTable { max_plateau: 2, ..TABLE };
         check_table(&wide, &[(-1.0, 3.0), (1.0, 3.0), (2.0, 0.0)]).unwrap();
     }
 

@@ -26,23 +26,15 @@ impl Closure {
         self.open_edges == 0
     }
 
-    /// Of a whole mesh. Time grows with its edges, a second for some ten million of them.
+    /// How a whole mesh closes. Time grows with its edges, a second for some ten million of them.
     pub fn of(mesh: &Mesh) -> Self {
         let mut open = unmatched(mesh.triangles.par_iter().copied());
         if !open.is_empty() {
             open = after_welding(mesh, &open);
         }
-        let [low, high] = mesh.bounds();
-        let center = 0.5 * (low + high);
-        let six_volumes = |triangle: usize| {
-            let [a, b, c] = mesh.corners(triangle).map(|corner| corner - center);
-            a.dot(b.cross(c))
-        };
-        // Not in parallel: the order of the sum would depend on the threads.
-        let volume_mm3 = (0..mesh.triangles.len()).map(six_volumes).sum::<f64>() / 6.0;
         let open_edges =
             if open.is_empty() || is_closed_in_space(mesh, &open) { 0 } else { open.len() };
-        Self { open_edges, volume_mm3 }
+        Self { open_edges, volume_mm3: mesh.volume_mm3() }
     }
 }
 

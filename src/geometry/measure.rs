@@ -1,9 +1,6 @@
-//! How large a mesh is, and whether it is closed.
-
-use rayon::prelude::*;
+//! How large a mesh is.
 
 use super::{DVec3, Mesh};
-use crate::geometry::weld::weld;
 
 impl Mesh {
     /// Area of all triangles, mm².
@@ -17,8 +14,8 @@ impl Mesh {
 
     /// Volume that the triangles enclose, mm³: positive if their fronts are outside.
     ///
-    /// A mesh that is not closed has none: see [`Mesh::open_edges`]. Its parts are summed about the
-    /// middle of the bounds.
+    /// A mesh that is not closed has none: see [`super::Closure`]. Its parts are summed about the
+    /// middle of the bounds, one after the other: in parallel the sum would depend on the threads.
     pub fn volume_mm3(&self) -> f64 {
         let [low, high] = self.bounds();
         let middle = (low + high) / 2.0;
@@ -27,25 +24,6 @@ impl Mesh {
             a.dot(b.cross(c))
         };
         (0..self.triangles.len()).map(sixfold).sum::<f64>() / 6.0
-    }
-
-    /// Edges that an odd number of triangles share: 0 if the mesh is closed.
-    ///
-    /// Corners are the same where their positions are equal. Triangles that have shrunk to an edge
-    /// don't count.
-    pub fn open_edges(&self) -> usize {
-        let mut positions = self.positions.clone();
-        let places = weld(&mut positions, &vec![true; self.positions.len()], 0.0);
-        drop(positions);
-        let edges_of = |corners: &[u32; 3]| {
-            let [a, b, c] = corners.map(|corner| places[corner as usize]);
-            let is_edge = a == b || b == c || c == a;
-            let edges = [[a, b], [b, c], [c, a]].map(|[a, b]| [a.min(b), a.max(b)]);
-            edges.into_iter().filter(move |_| !is_edge)
-        };
-        let mut edges: Vec<[u32; 2]> = self.triangles.iter().flat_map(edges_of).collect();
-        edges.par_sort_unstable();
-        edges.chunk_by(|a, b| a == b).filter(|same| same.len() % 2 != 0).count()
     }
 }
 
@@ -72,13 +50,10 @@ mod tests {
     }
 
     #[test]
-    fn a_cube_has_the_area_volume_and_edges_of_a_cube() {
+    fn a_cube_has_the_area_and_volume_of_a_cube() {
         let mut mesh = cube();
         assert!((mesh.area_mm2() - 24.0).abs() < 1e-12);
         assert!((mesh.volume_mm3() - 8.0).abs() < 1e-10);
-        assert_eq!(mesh.open_edges(), 0);
-        mesh.triangles.pop();
-        assert_eq!(mesh.open_edges(), 3);
         mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
         assert!(mesh.volume_mm3() < 0.0);
     }

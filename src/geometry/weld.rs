@@ -11,7 +11,7 @@ const NONE: u32 = u32::MAX;
 /// Positions are one if they are exactly equal, or no farther than `weld_mm` from the one kept.
 /// Places of dropped positions are meaningless.
 pub fn weld(positions: &mut Vec<DVec3>, used: &[bool], weld_mm: f64) -> Vec<u32> {
-    let mut grid = Grid::new(positions.len(), weld_mm);
+    let mut grid = WeldGrid::new(positions.len(), weld_mm);
     let mut new_places = vec![NONE; positions.len()];
     let mut kept = 0;
     for old in 0..positions.len() {
@@ -33,7 +33,7 @@ pub fn weld(positions: &mut Vec<DVec3>, used: &[bool], weld_mm: f64) -> Vec<u32>
 }
 
 /// Cells of the welding distance, or one for each position, hashed into lists.
-struct Grid {
+struct WeldGrid {
     weld_mm: f64,
     /// First place of each list.
     heads: Vec<u32>,
@@ -41,7 +41,7 @@ struct Grid {
     next: Vec<u32>,
 }
 
-impl Grid {
+impl WeldGrid {
     fn new(count: usize, weld_mm: f64) -> Self {
         let lists = (count + count / 2).next_power_of_two();
         Self { weld_mm, heads: vec![NONE; lists], next: Vec::new() }

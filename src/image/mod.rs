@@ -223,6 +223,15 @@ impl XyzImage {
 }
 
 #[cfg(test)]
+impl XyzImage {
+    /// One row of grays of these luminances.
+    pub fn gray(luminances: &[f64]) -> Self {
+        let pixels = luminances.iter().map(|&y| Xyz::new(y, y, y)).collect();
+        Self { width: luminances.len(), height: 1, pixels }
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 

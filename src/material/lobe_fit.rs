@@ -1,7 +1,7 @@
 //! Exponents of cosⁿα lobes from measured BRDFs and BTDFs (Fig. 3).
 
 use crate::error::{Error, Result};
-use crate::fit::{Estimate, Residual, Table, check_table, minimize};
+use crate::fit::{Estimate, MeasuredTable, Residual, check_table, minimize};
 
 /// Measured values by the angle from the specular or the straight-through direction, at one
 /// incidence.
@@ -59,8 +59,10 @@ pub fn about_peak(points: &[(f64, f64)], peak: Peak) -> Result<Vec<(f64, f64)>> 
 /// How many lobes are summed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LobeCount {
+    /// A single lobe.
     #[default]
     One,
+    /// A narrow lobe and a wide one.
     Two,
 }
 
@@ -77,13 +79,18 @@ pub enum LobeSpace {
 /// A cosⁿα with standard errors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FittedLobe {
+    /// Exponent.
     pub n: f64,
+    /// Standard error of `n`.
     pub n_error: f64,
+    /// A: the value at 0°, in the unit of the table.
     pub amplitude: f64,
+    /// Standard error of `amplitude`.
     pub amplitude_error: f64,
 }
 
 impl FittedLobe {
+    /// The lobe's value at an angle from its axis, −90 to 90 degrees.
     pub fn eval(&self, angle_deg: f64) -> f64 {
         self.amplitude * (self.n * ln_cos(angle_deg)).exp()
     }
@@ -103,6 +110,7 @@ pub struct LobeFit {
 }
 
 impl LobeFit {
+    /// Sum of the lobes at an angle from their axis, −90 to 90 degrees.
     pub fn eval(&self, angle_deg: f64) -> f64 {
         self.lobes.iter().map(|lobe| lobe.eval(angle_deg)).sum()
     }
@@ -124,10 +132,10 @@ pub fn fit_lobe(table: &LobeTable, count: LobeCount, space: LobeSpace) -> Result
 }
 
 /// Root mean square residuals, of the values and of log₁₀ of those above 0.
-fn rms(rows: &[Row], lobes: &[FittedLobe]) -> (f64, f64) {
+fn rms(rows: &[LobeRow], lobes: &[FittedLobe]) -> (f64, f64) {
     let root_mean =
         |squares: Vec<f64>| (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt();
-    let model = |row: &Row| -> f64 {
+    let model = |row: &LobeRow| -> f64 {
         lobes.iter().map(|lobe| lobe.amplitude * (lobe.n * row.ln_cos).exp()).sum()
     };
     let linear = rows.iter().map(|row| (row.value - model(row)).powi(2));
@@ -139,7 +147,7 @@ fn rms(rows: &[Row], lobes: &[FittedLobe]) -> (f64, f64) {
 const OBJECT: &str = "lobe fit";
 
 /// A point within the range.
-struct Row {
+struct LobeRow {
     /// Among the table's points.
     point: usize,
     ln_cos: f64,
@@ -154,10 +162,10 @@ fn ln_cos(angle_deg: f64) -> f64 {
     (-2.0 * half_sin * half_sin).ln_1p()
 }
 
-fn check(table: &LobeTable, count: LobeCount, space: LobeSpace) -> Result<Vec<Row>> {
+fn check(table: &LobeTable, count: LobeCount, space: LobeSpace) -> Result<Vec<LobeRow>> {
     let refuse = |problem: String| Err(Error::inconsistent(OBJECT, problem));
     let columns = ["angle", "value"];
-    let checks = Table { object: OBJECT, columns, min_rows: 0, max_plateau: 2 };
+    let checks = MeasuredTable { object: OBJECT, columns, min_rows: 0, max_plateau: 2 };
     check_table(&checks, table.points)?;
     for (row, &(angle, value)) in (1..).zip(table.points) {
         if angle.abs() >= 90.0 {
@@ -171,8 +179,8 @@ fn check(table: &LobeTable, count: LobeCount, space: LobeSpace) -> Result<Vec<Ro
     let [from, to] = table.range_deg;
     let inside = table.points.iter().zip(weights).enumerate();
     let inside = inside.filter(|(_, ((angle, _), _))| (from..=to).contains(&angle.abs()));
-    let rows: Vec<Row> = inside
-        .map(|(point, (&(angle, value), weight))| Row {
+    let rows: Vec<LobeRow> = inside
+        .map(|(point, (&(angle, value), weight))| LobeRow {
             point,
             ln_cos: ln_cos(angle),
             value,
@@ -195,7 +203,7 @@ fn check(table: &LobeTable, count: LobeCount, space: LobeSpace) -> Result<Vec<Ro
 }
 
 /// Refuses a table whose lobe is elsewhere than at 0°: its angles are from the normal, most likely.
-fn check_peak(table: &LobeTable, rows: &[Row]) -> Result<()> {
+fn check_peak(table: &LobeTable, rows: &[LobeRow]) -> Result<()> {
     const FARTHEST_DEG: f64 = 10.0;
     let weighty = rows.iter().filter(|row| row.root_weight > 0.0);
     let Some(top) = weighty.clone().max_by(|a, b| a.value.total_cmp(&b.value)) else {
@@ -235,7 +243,7 @@ fn check_weights(table: &LobeTable) -> Result<Vec<f64>> {
 /// The fit of LOBES lobes by PARAMETERS = 2 LOBES logarithms: of each amplitude, then exponent.
 /// Logarithms keep both above 0 and of one size.
 fn fit_lobes<const LOBES: usize, const PARAMETERS: usize>(
-    rows: &[Row],
+    rows: &[LobeRow],
     space: LobeSpace,
 ) -> Result<Vec<FittedLobe>> {
     let start = start::<LOBES, PARAMETERS>(rows, space)?;
@@ -261,7 +269,7 @@ fn fitted_lobe<const P: usize>(fit: &Estimate<P>, lobe: usize) -> FittedLobe {
     FittedLobe { n, n_error: n * n_share, amplitude, amplitude_error: amplitude * amplitude_share }
 }
 
-fn residual<const P: usize>(parameters: &[f64; P], row: &Row, space: LobeSpace) -> Residual<P> {
+fn residual<const P: usize>(parameters: &[f64; P], row: &LobeRow, space: LobeSpace) -> Residual<P> {
     let mut gradient = [0.0; P];
     let mut model = 0.0;
     for lobe in 0..P / 2 {
@@ -291,7 +299,10 @@ fn start_exponents() -> impl Iterator<Item = f64> {
 }
 
 /// The best of all starting exponents, each with the amplitudes that fit best at it.
-fn start<const LOBES: usize, const P: usize>(rows: &[Row], space: LobeSpace) -> Result<[f64; P]> {
+fn start<const LOBES: usize, const P: usize>(
+    rows: &[LobeRow],
+    space: LobeSpace,
+) -> Result<[f64; P]> {
     let mut best = (f64::INFINITY, [0.0; P]);
     let mut consider = |exponents: &[f64]| {
         let Some(amplitudes) = amplitudes(rows, exponents, space) else { return };
@@ -321,13 +332,13 @@ fn start<const LOBES: usize, const P: usize>(rows: &[Row], space: LobeSpace) -> 
 /// Amplitudes by linear least squares at given exponents, `None` unless all are above 0.
 ///
 /// In log space residuals are taken relative to the value, which is the same where they are small.
-fn amplitudes(rows: &[Row], exponents: &[f64], space: LobeSpace) -> Option<Vec<f64>> {
-    let weighed = |row: &Row| match space {
+fn amplitudes(rows: &[LobeRow], exponents: &[f64], space: LobeSpace) -> Option<Vec<f64>> {
+    let weighed = |row: &LobeRow| match space {
         LobeSpace::Linear => row.root_weight,
         LobeSpace::Log => row.root_weight / row.value,
     };
-    let lobe = |row: &Row, at: usize| (exponents[at] * row.ln_cos).exp() * weighed(row);
-    let sum = |term: &dyn Fn(&Row) -> f64| rows.iter().map(term).sum::<f64>();
+    let lobe = |row: &LobeRow, at: usize| (exponents[at] * row.ln_cos).exp() * weighed(row);
+    let sum = |term: &dyn Fn(&LobeRow) -> f64| rows.iter().map(term).sum::<f64>();
     let product = |a: usize, b: usize| sum(&|row| lobe(row, a) * lobe(row, b));
     let with_value = |a: usize| sum(&|row| lobe(row, a) * row.value * weighed(row));
     let found: Vec<f64> = if exponents.len() == 1 {

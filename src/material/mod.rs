@@ -29,12 +29,15 @@ pub struct Material {
     pub ior: Option<Spectrum>,
     /// What decides how much is mirrored, and how much goes on.
     pub fresnel: Fresnel,
-    /// Of bodies that overlap, the one with the higher priority is there.
+    /// Where bodies overlap, the one with the higher priority is there.
     pub priority: i32,
+    /// How light is spread: eq. 2's scalar part.
     pub lobes: Lobes,
     /// Proportions of the mirrored and the transmitted ray and of the ambient light, 0 to 1.
     pub k_rg: f64,
+    /// Proportion of the transmitted ray, 0 to 1.
     pub k_tg: f64,
+    /// Proportion of the ambient light, 0 to 1.
     pub k_a: f64,
 }
 

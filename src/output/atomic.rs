@@ -143,11 +143,11 @@ fn place_of(_: Option<&File>, folder: &Path) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::scratch::Scratch;
+    use crate::output::scratch::ScratchFolder;
 
     #[test]
     fn folders_are_made_and_files_replaced() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("a/b/c.txt");
         write_text(&path, "one").unwrap();
         write_text(&path, "two").unwrap();
@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn a_failed_write_leaves_the_old_file_and_nothing_else() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("c.txt");
         write_text(&path, "old").unwrap();
         let error = write_atomically(&path, |file| {
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn csv_reads_back_bit_for_bit() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("t.csv");
         let row = [0.1 + 0.2, 1e-300, -0.0];
         write_csv(&path, &["a", "b", "c"], [row]).unwrap();

@@ -8,7 +8,7 @@ use ::image::codecs::tiff::TiffEncoder;
 use ::image::{ExtendedColorType, ImageEncoder};
 
 use super::atomic::write_atomically;
-use super::png::{Raster, Samples};
+use super::png::{Digits, Raster};
 use crate::color::rec709_from_xyz;
 use crate::error::{Error, Result};
 use crate::image::SpectralImage;
@@ -18,7 +18,7 @@ use crate::image::SpectralImage;
 /// `quality`: 1 to 100. Errors: [`Error::Io`], also for a picture without pixels or larger than
 /// 65535 a side; [`Error::Inconsistent`] for digits of more than 8 bits.
 pub fn write_jpeg(path: &Path, raster: &Raster, quality: u8) -> Result<()> {
-    let Samples::Eight(samples) = &raster.samples else {
+    let Digits::Eight(samples) = &raster.samples else {
         return Err(Error::inconsistent("JPEG", "holds 8 bits a channel: give a display of 8"));
     };
     let [width, height] = sides(raster.width, raster.height);
@@ -37,10 +37,10 @@ pub fn write_jpeg(path: &Path, raster: &Raster, quality: u8) -> Result<()> {
 /// Errors: [`Error::Io`], also for a picture without pixels.
 pub fn write_tiff(path: &Path, raster: &Raster) -> Result<()> {
     match &raster.samples {
-        Samples::Eight(samples) => {
+        Digits::Eight(samples) => {
             write_tiff_bytes(path, samples, [raster.width, raster.height], ExtendedColorType::Rgb8)
         }
-        Samples::Sixteen(samples) => {
+        Digits::Sixteen(samples) => {
             let bytes: Vec<u8> = samples.iter().flat_map(|s| s.to_ne_bytes()).collect();
             write_tiff_bytes(path, &bytes, [raster.width, raster.height], ExtendedColorType::Rgb16)
         }
@@ -81,27 +81,27 @@ mod tests {
     use crate::color::Photometry;
     use crate::image::Metadata;
     use crate::output::png::ColorSpace;
-    use crate::output::scratch::Scratch;
+    use crate::output::scratch::ScratchFolder;
     use crate::spectrum::WavelengthGrid;
 
-    fn raster(samples: Samples<'static>) -> Raster<'static> {
+    fn raster(samples: Digits<'static>) -> Raster<'static> {
         let (color_space, metadata) = (ColorSpace::Srgb, Metadata::new());
         Raster { width: 2, height: 1, samples, color_space, metadata }
     }
 
     #[test]
     fn digits_read_back() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("i.tif");
         let sixteen = vec![0u16, 1, 258, 65535, 7, 300];
-        write_tiff(&path, &raster(Samples::Sixteen(sixteen.clone().into()))).unwrap();
+        write_tiff(&path, &raster(Digits::Sixteen(sixteen.clone().into()))).unwrap();
         assert_eq!(::image::open(&path).unwrap().to_rgb16().into_raw(), sixteen);
         let path = scratch.path("i.jpg");
         let eight = vec![200u8; 6];
-        write_jpeg(&path, &raster(Samples::Eight(eight.into())), 95).unwrap();
+        write_jpeg(&path, &raster(Digits::Eight(eight.into())), 95).unwrap();
         let read = ::image::open(&path).unwrap().to_rgb8().into_raw();
         assert!(read.iter().all(|&digit| digit.abs_diff(200) <= 2), "{read:?}");
-        let message = write_jpeg(&path, &raster(Samples::Sixteen(vec![0; 6].into())), 95);
+        let message = write_jpeg(&path, &raster(Digits::Sixteen(vec![0; 6].into())), 95);
         assert_eq!(
             message.unwrap_err().to_string(),
             "JPEG: holds 8 bits a channel: give a display of 8"
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn floats_are_the_light() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("i.tif");
         let mut image = SpectralImage::new(3, 2, WavelengthGrid::Step20, Photometry::Absolute);
         image.bands.iter_mut().enumerate().for_each(|(at, value)| *value = at as f32);

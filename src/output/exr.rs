@@ -409,7 +409,7 @@ fn place_channel(image: &mut SpectralImage, name: &str, samples: &FlatSamples) {
 mod tests {
     use super::*;
     use crate::image::Region;
-    use crate::output::scratch::Scratch;
+    use crate::output::scratch::ScratchFolder;
 
     /// Values from subnormal to near the top of f32.
     fn image(grid: WavelengthGrid) -> SpectralImage {
@@ -430,7 +430,7 @@ mod tests {
 
     #[test]
     fn reads_back_bit_for_bit() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         for grid in [WavelengthGrid::Step5, WavelengthGrid::Step10, WavelengthGrid::Step20] {
             let path = scratch.path("i.exr");
             let written = image(grid);
@@ -441,7 +441,7 @@ mod tests {
 
     #[test]
     fn layers_read_back_in_parts() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let (path, again) = (scratch.path("i.exr"), scratch.path("again.exr"));
         let mut written = image(WavelengthGrid::Step20);
         for (name, value) in [("light 1", 0.25f32), ("빛 2", 3.0)] {
@@ -462,7 +462,7 @@ mod tests {
 
     #[test]
     fn equal_images_give_equal_bytes() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let bytes = |name: &str| {
             let path = scratch.path(name);
             write_exr(&path, &image(WavelengthGrid::Step20)).unwrap();
@@ -474,7 +474,7 @@ mod tests {
 
     #[test]
     fn layout_is_the_spectral_one() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("i.exr");
         write_exr(&path, &image(WavelengthGrid::Step5)).unwrap();
         let info = read_exr_info(&path).unwrap();
@@ -494,7 +494,7 @@ mod tests {
 
     #[test]
     fn xyz_channels_are_the_sums_of_the_bands() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("i.exr");
         let mut flat = SpectralImage::new(2, 1, WavelengthGrid::Step5, Photometry::Absolute);
         flat.bands[81..].fill(0.01);
@@ -516,7 +516,7 @@ mod tests {
 
     #[test]
     fn colors_say_what_they_are() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("i.exr");
         for (photometry, luminance) in
             [(Photometry::Absolute, Some(1.0)), (Photometry::Relative, None)]
@@ -532,7 +532,7 @@ mod tests {
 
     #[test]
     fn small_files_keep_what_they_say() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("i.exr");
         let mut written = SpectralImage::new(31, 9, WavelengthGrid::Step20, Photometry::Absolute);
         for (at, value) in written.bands.iter_mut().enumerate() {
@@ -555,7 +555,7 @@ mod tests {
 
     #[test]
     fn other_files_are_refused() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("i.exr");
         std::fs::write(&path, "not an image").unwrap();
         let message = read_exr(&path).unwrap_err().to_string();

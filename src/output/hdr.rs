@@ -167,7 +167,7 @@ fn write_runs(out: &mut impl Write, bytes: &[u8]) -> io::Result<()> {
 mod tests {
     use super::*;
     use crate::color::Photometry;
-    use crate::output::scratch::Scratch;
+    use crate::output::scratch::ScratchFolder;
     use crate::spectrum::WavelengthGrid;
 
     /// A reader of the run-length form, written apart from the writer.
@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn luminance_reads_back_within_a_percent() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("i.hdr");
         let image = image();
         for colors in [HdrColors::Rgbe, HdrColors::Xyze] {
@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn narrow_pictures_are_flat_and_headers_say_what_they_hold() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("i.hdr");
         let mut small = SpectralImage::new(3, 2, WavelengthGrid::Step20, Photometry::Absolute);
         small.bands.fill(1.0);

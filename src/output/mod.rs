@@ -25,7 +25,7 @@ pub use exr::{ExrBands, ExrInfo, read_exr, read_exr_info, write_exr, write_exr_a
 pub use hdr::{HdrColors, write_hdr};
 pub use panorama::{ColorPicture, Primaries, read_color_picture};
 pub use png::{
-    ColorSpace, Raster, Samples, develop_png, develop_raster, display_raster, encode_png, read_png,
+    ColorSpace, Digits, Raster, develop_png, develop_raster, display_raster, encode_png, read_png,
     write_png,
 };
 

@@ -14,9 +14,13 @@ use crate::error::{Error, Place, Result};
 /// Linear colors, row by row from the top left.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColorPicture {
+    /// Columns.
     pub width: usize,
+    /// Rows.
     pub height: usize,
+    /// Red, green and blue; `width` × `height` of them.
     pub pixels: Vec<[f32; 3]>,
+    /// Which colors the three are.
     pub primaries: Primaries,
     /// cd/m² of the white (1, 1, 1), or of Y = 1, where the file tells it.
     pub cd_m2_of_one: Option<f64>,
@@ -27,6 +31,7 @@ pub struct ColorPicture {
 pub enum Primaries {
     /// Chromaticities of red, green and blue, and of their white.
     Rgb([[f64; 2]; 3], [f64; 2]),
+    /// CIE 1931 X, Y and Z.
     Xyz,
 }
 

@@ -18,7 +18,7 @@ pub struct Raster<'a> {
     /// Rows.
     pub height: usize,
     /// Red, green, blue of each pixel, row 0 on top.
-    pub samples: Samples<'a>,
+    pub samples: Digits<'a>,
     /// What the digits mean.
     pub color_space: ColorSpace,
     /// iTXt chunks.
@@ -27,7 +27,7 @@ pub struct Raster<'a> {
 
 /// Digits of 8 or 16 bits.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Samples<'a> {
+pub enum Digits<'a> {
     /// 0 to 255.
     Eight(Cow<'a, [u8]>),
     /// 0 to 65535.
@@ -43,7 +43,12 @@ pub enum ColorSpace {
     Icc(Vec<u8>),
     /// Primaries, transfer, matrix and range of ITU-T H.273, as the cICP chunk of PNG's third
     /// edition, and a profile for those who do not read it.
-    CodePoints { points: [u8; 4], icc: Option<Vec<u8>> },
+    CodePoints {
+        /// Numbers of the four, in that order.
+        points: [u8; 4],
+        /// The profile; `None` writes none.
+        icc: Option<Vec<u8>>,
+    },
 }
 
 impl ColorSpace {
@@ -89,8 +94,8 @@ pub fn encode_png(out: impl io::Write, raster: &Raster) -> io::Result<()> {
     let mut info = ::png::Info::with_size(size(raster.width)?, size(raster.height)?);
     info.color_type = ::png::ColorType::Rgb;
     info.bit_depth = match raster.samples {
-        Samples::Eight(_) => ::png::BitDepth::Eight,
-        Samples::Sixteen(_) => ::png::BitDepth::Sixteen,
+        Digits::Eight(_) => ::png::BitDepth::Eight,
+        Digits::Sixteen(_) => ::png::BitDepth::Sixteen,
     };
     info.icc_profile = raster.color_space.profile().map(Cow::Borrowed);
     let mut encoder = ::png::Encoder::with_info(out, info)?;
@@ -110,7 +115,7 @@ pub fn encode_png(out: impl io::Write, raster: &Raster) -> io::Result<()> {
     Ok(())
 }
 
-impl Samples<'_> {
+impl Digits<'_> {
     /// Big-endian, as the file has them.
     fn bytes(&self) -> Cow<'_, [u8]> {
         match self {
@@ -133,10 +138,10 @@ pub fn read_png(path: &Path) -> Result<(Raster<'static>, u32)> {
     reader.next_frame(&mut bytes).map_err(broken)?;
     let info = reader.info();
     let (samples, bits) = match (info.color_type, info.bit_depth) {
-        (::png::ColorType::Rgb, ::png::BitDepth::Eight) => (Samples::Eight(bytes.into()), 8),
+        (::png::ColorType::Rgb, ::png::BitDepth::Eight) => (Digits::Eight(bytes.into()), 8),
         (::png::ColorType::Rgb, ::png::BitDepth::Sixteen) => {
             let pairs = bytes.chunks_exact(2).map(|b| u16::from_be_bytes([b[0], b[1]]));
-            (Samples::Sixteen(pairs.collect()), 16)
+            (Digits::Sixteen(pairs.collect()), 16)
         }
         (kind, depth) => {
             return Err(bad(format!("holds {kind:?} of {depth:?}, expected RGB of 8 or 16 bits")));
@@ -167,8 +172,8 @@ pub fn display_raster(image: &DisplayImage, display: &Display) -> Result<Raster<
     let digits = image.digits.iter().flatten();
     let full = u32::from(display.full_digit());
     let samples = match display.bits() {
-        8 => Samples::Eight(digits.map(|&d| d as u8).collect()),
-        _ => Samples::Sixteen(
+        8 => Digits::Eight(digits.map(|&d| d as u8).collect()),
+        _ => Digits::Sixteen(
             digits.map(|&d| ((u32::from(d) * 65535 + full / 2) / full) as u16).collect(),
         ),
     };
@@ -187,7 +192,7 @@ pub fn display_raster(image: &DisplayImage, display: &Display) -> Result<Raster<
 mod tests {
     use super::*;
     use crate::display::GamutReport;
-    use crate::output::scratch::Scratch;
+    use crate::output::scratch::ScratchFolder;
 
     fn image(digits: Vec<[u16; 3]>) -> DisplayImage {
         let gamut = GamutReport::default();
@@ -205,7 +210,7 @@ mod tests {
 
     #[test]
     fn srgb_files_have_the_srgb_chunk_and_no_profile() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("i.png");
         let mut raster =
             display_raster(&image(vec![[0, 128, 255], [1, 2, 3]]), &Display::srgb()).unwrap();
@@ -221,14 +226,14 @@ mod tests {
 
     #[test]
     fn display_files_carry_the_profile() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("i.png");
         let display = Display::eizo_t766();
         write_png(&path, &display_raster(&image(vec![[9, 8, 7]]), &display).unwrap()).unwrap();
         let (info, bytes) = decode(&path);
         assert_eq!(bytes, [9, 8, 7]);
         let (read, bits) = read_png(&path).unwrap();
-        assert_eq!((read.samples, bits), (Samples::Eight(vec![9, 8, 7].into()), 8));
+        assert_eq!((read.samples, bits), (Digits::Eight(vec![9, 8, 7].into()), 8));
         assert_eq!(read.color_space, ColorSpace::Icc(display.icc_profile().unwrap()));
         assert_eq!(info.srgb, None);
         assert_eq!(*info.icc_profile.unwrap(), display.icc_profile().unwrap());
@@ -236,7 +241,7 @@ mod tests {
 
     #[test]
     fn wide_gamut_files_carry_code_points() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("i.png");
         for (display, points, has_profile) in [
             (Display::p3(), [12, 13, 0, 1], true),
@@ -254,7 +259,7 @@ mod tests {
 
     #[test]
     fn ten_bit_digits_fill_sixteen() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("i.png");
         let parameters = crate::display::DisplayParameters {
             name: "ten bit".to_owned(),
@@ -272,12 +277,12 @@ mod tests {
 
     #[test]
     fn a_raster_of_the_wrong_size_writes_nothing() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("i.png");
         let raster = Raster {
             width: 2,
             height: 2,
-            samples: Samples::Eight(Cow::Borrowed(&[0; 11])),
+            samples: Digits::Eight(Cow::Borrowed(&[0; 11])),
             color_space: ColorSpace::Srgb,
             metadata: Metadata::new(),
         };

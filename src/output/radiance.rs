@@ -20,7 +20,7 @@ pub(super) const MAGIC: [&[u8]; 2] = [b"#?RADIANCE", b"#?RGBE"];
 /// Errors: [`Error::BadFile`] for what is no whole picture.
 pub(super) fn read(path: &Path, mut file: impl BufRead) -> Result<ColorPicture> {
     let bad = |problem: &str| Error::bad_file(path, Place::File, problem.to_owned());
-    let mut header = Header::default();
+    let mut header = RadianceHeader::default();
     loop {
         match line(&mut file) {
             Some(text) if text.is_empty() => break,
@@ -56,18 +56,18 @@ pub(super) fn read(path: &Path, mut file: impl BufRead) -> Result<ColorPicture> 
 /// What counts of the header. Pictures that name no primaries have those of Rec. 709 today,
 /// whatever the format's manual says.
 #[derive(Debug)]
-struct Header {
+struct RadianceHeader {
     exposure: f64,
     primaries: Primaries,
 }
 
-impl Default for Header {
+impl Default for RadianceHeader {
     fn default() -> Self {
         Self { exposure: 1.0, primaries: Primaries::Rgb(REC709_XY, D65_XY) }
     }
 }
 
-impl Header {
+impl RadianceHeader {
     fn take(&mut self, line: &str) -> std::result::Result<(), String> {
         let Some((key, value)) = line.split_once('=') else { return Ok(()) };
         let numbers = || value.split_whitespace().map_while(|text| text.parse::<f64>().ok());

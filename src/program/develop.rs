@@ -48,12 +48,12 @@ mod tests {
     use super::*;
     use crate::color::Photometry;
     use crate::image::SpectralImage;
-    use crate::output::scratch::Scratch;
+    use crate::output::scratch::ScratchFolder;
     use crate::spectrum::WavelengthGrid;
 
     #[test]
     fn files_become_the_pictures_of_their_first_run() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let mut image = SpectralImage::new(4, 2, WavelengthGrid::Step20, Photometry::Relative);
         image.bands.iter_mut().enumerate().for_each(|(at, value)| *value = at as f32);
         image.metadata.insert("script".to_owned(), "lamp.lua".to_owned());

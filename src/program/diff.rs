@@ -137,8 +137,10 @@ fn image_differences(
 }
 
 fn table_differences(a: &Path, b: &Path) -> Result<Vec<String>> {
-    let [left, right] =
-        [study::Table::read(&a.join("draws.csv"))?, study::Table::read(&b.join("draws.csv"))?];
+    let [left, right] = [
+        study::DrawTable::read(&a.join("draws.csv"))?,
+        study::DrawTable::read(&b.join("draws.csv"))?,
+    ];
     let mut lines = Vec::new();
     if left.columns != right.columns {
         lines.push(format!("columns: {} → {}", left.columns.join(", "), right.columns.join(", ")));

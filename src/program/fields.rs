@@ -70,7 +70,7 @@ pub const fn field<T>(
 
 /// The fields of a record, by the name of its class in the annotations.
 pub struct Fields<T: 'static> {
-    /// Of the record in the annotations.
+    /// Name of the record in the annotations.
     pub class: &'static str,
     /// In the order of the manual.
     pub fields: &'static [Field<T>],

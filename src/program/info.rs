@@ -4,10 +4,11 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use crate::columns::{Choice, Table};
+use crate::columns::{Table, TableChoice};
 use crate::display::{self, ProfiledDisplay};
 use crate::error::{Error, Place, Result};
-use crate::geometry::import::{self, MeshFile, Reading};
+use crate::geometry::Closure;
+use crate::geometry::import::{self, MeshFile, MeshReading};
 use crate::output;
 use crate::program::stamp::Stamp;
 use crate::program::sweep::Manifest;
@@ -122,7 +123,7 @@ fn manifest(path: &Path) -> Result<Vec<String>> {
 }
 
 fn mesh(path: &Path) -> Result<Vec<String>> {
-    let file = import::load(path, &Reading::default())?;
+    let file = import::load(path, &MeshReading::default())?;
     let MeshFile { mesh, format, .. } = &file;
     let [low, high] = mesh.bounds();
     let size = high - low;
@@ -132,9 +133,9 @@ fn mesh(path: &Path) -> Result<Vec<String>> {
         format!("from {low} to {high} mm"),
         format!("{} × {} × {} mm", size.x, size.y, size.z),
         format!("area {:.6} mm²", mesh.area_mm2()),
-        match mesh.open_edges() {
-            0 => format!("closed, volume {:.6} mm³", mesh.volume_mm3()),
-            open => format!("{open} open edges: not a closed body"),
+        match Closure::of(mesh) {
+            Closure { open_edges: 0, volume_mm3 } => format!("closed, volume {volume_mm3:.6} mm³"),
+            Closure { open_edges, .. } => format!("{open_edges} open edges: not a closed body"),
         },
     ];
     for (kind, names) in
@@ -164,7 +165,7 @@ fn table(table: &Table) -> Result<Vec<String>> {
         lines.push(format!("{count} points in the plane of incidence at {incidence}°"));
         return Ok(lines);
     }
-    match table.curve(&Choice::default()) {
+    match table.curve(&TableChoice::default()) {
         Ok(curve) => {
             lines.extend(curve.notes.iter().cloned());
             lines.extend(spectrum(&Spectrum::from(curve)));

@@ -12,6 +12,7 @@ use crate::render::Watch;
 /// Who reads standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Verbosity {
+    /// Nobody.
     #[default]
     Quiet,
     /// A person: a bar, if it is a terminal.

@@ -2,7 +2,7 @@
 
 use super::fields::{Cell, Fields, field};
 use super::intensity::PointCheck;
-use super::sweep::{Done, Reading};
+use super::sweep::{RegionReading, SweepOutcome};
 use crate::color::signal;
 use crate::display::{ChannelFit, Curve, Developed, PatchError, Verification};
 use crate::geometry::DVec3;
@@ -120,13 +120,13 @@ fn per_sum(stats: &RenderStats, count: u64) -> Cell {
 
 /// What a render cost, which differs from run to run.
 pub struct Cost {
-    /// Of rendering.
+    /// Time of rendering, s.
     pub seconds: f64,
-    /// Of rendering, as thought after the first samples; `None` without `target_error`.
+    /// Time of rendering as thought after the first samples, s; `None` without `target_error`.
     pub expected_seconds: Option<f64>,
-    /// Of preparing the scene.
+    /// Time of preparing the scene.
     pub build: BuildSeconds,
-    /// Of the program so far, MB of 10⁶ bytes; `None` where the system does not tell.
+    /// Largest memory of the program so far, MB of 10⁶ bytes; `None` where the system does not tell.
     pub peak_memory_mb: Option<f64>,
 }
 
@@ -290,7 +290,7 @@ pub const DEVELOPED: Fields<Developed> = Fields {
 };
 
 /// The light of a region that the script names.
-pub const READING: Fields<Reading> = Fields {
+pub const READING: Fields<RegionReading> = Fields {
     class: "Reading",
     fields: &[
         field("x", "integer", "pixels from the left", |reading| reading.region.x.into()),
@@ -309,7 +309,7 @@ pub const READING: Fields<Reading> = Fields {
 };
 
 /// What a sweep did.
-pub const SWEPT: Fields<Done> = Fields {
+pub const SWEPT: Fields<SweepOutcome> = Fields {
     class: "SweepReport",
     fields: &[
         field("views", "integer", "rendered and kept", |done| (done.rendered + done.kept).into()),
@@ -410,7 +410,7 @@ pub const POINT: Fields<PointCheck> = Fields {
 pub struct WorldRay {
     /// Where it starts, mm.
     pub position: DVec3,
-    /// Of length 1.
+    /// Unit vector.
     pub direction: DVec3,
     /// Luminous flux, lm.
     pub flux_lm: f64,

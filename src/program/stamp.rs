@@ -22,7 +22,7 @@ impl Stamp {
         Ok(Self { length: data.len(), identity: identity(&data) })
     }
 
-    /// Of a script, which may come from a pipe. Errors: [`Error::Io`].
+    /// Stamp of a script, which may come from a pipe. Errors: [`Error::Io`].
     pub fn of_script(path: &Path) -> Result<Self> {
         let data = path.metadata().map_err(|e| Error::io(path, e))?;
         Ok(Self { length: data.len(), identity: identity(&data) })
@@ -46,11 +46,11 @@ fn identity(data: &std::fs::Metadata) -> [i64; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::scratch::Scratch;
+    use crate::output::scratch::ScratchFolder;
 
     #[test]
     fn an_edit_of_the_same_length_changes_the_stamp() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("a.obj");
         std::fs::write(&path, "one").unwrap();
         let before = Stamp::of(&path).unwrap();

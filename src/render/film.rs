@@ -50,7 +50,7 @@ pub(super) struct Film {
     pub bands: usize,
     /// Layers of each pixel.
     pub parts: usize,
-    /// Of each pixel the mean spectrum, then those of its layers.
+    /// For each pixel the mean spectrum, then those of its layers.
     pub spectra: Vec<f32>,
     pub pixels: Vec<PixelStats>,
     /// Seconds that the picture was first thought to take, where its samples follow from an error.

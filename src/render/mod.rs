@@ -90,7 +90,7 @@ pub struct RenderStats {
 impl RenderStats {
     /// What the picture lacks, in words.
     pub fn warnings(&self) -> Vec<String> {
-        /// Of all camera rays: fewer show nowhere.
+        /// Share of all camera rays: fewer show nowhere.
         const TOLD: f64 = 1e-3;
         let TraceCounts { camera_rays, rays_cut, clash, .. } = self.counts;
         let mut warnings = Vec::new();

@@ -22,9 +22,11 @@ pub enum SurfaceKind {
 /// An object's surface, as far as rays need to know it before they are shaded.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
+    /// What it bounds.
     pub kind: SurfaceKind,
+    /// What it is made of.
     pub material: MaterialId,
-    /// Of bodies that overlap the one with the highest is there; among equals, the one entered last.
+    /// Where bodies overlap, the one with the highest is there; among equals, the one entered last.
     pub priority: i32,
     /// How its mesh closes; `None` where no body is asked for.
     pub closure: Option<Closure>,

@@ -29,15 +29,19 @@ pub use tables::{Index, MaterialTables, SpectralTables, SurroundingsTables};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MaterialId(pub usize);
 
+/// A mesh and what it is made of.
 #[derive(Debug, Clone)]
 pub struct Object {
+    /// In the world's coordinates, mm.
     pub mesh: Arc<Mesh>,
+    /// One of the scene's materials.
     pub material: MaterialId,
 }
 
 /// A RAYSET and its spectrum.
 #[derive(Debug, Clone)]
 pub struct Light {
+    /// Where its light starts, and the way it goes.
     pub rays: RaySet,
     /// I_norm(λ), ≥ 0, relative: its luminous integral is scaled to the set's flux (eq. 12).
     pub spectrum: Spectrum,
@@ -48,7 +52,9 @@ pub struct Light {
 /// Whether light samples can be hidden by opaque surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shadows {
+    /// Every sample lights every surface that faces it, as in the paper.
     Off,
+    /// Opaque surfaces hide samples.
     On,
 }
 
@@ -109,15 +115,21 @@ pub struct InterreflectionReport {
 /// Everything that a script describes, before anything is built from it.
 #[derive(Debug, Clone)]
 pub struct Scene {
+    /// All meshes, in the script's order.
     pub objects: Vec<Object>,
+    /// What objects refer to.
     pub materials: Vec<Material>,
+    /// What illuminates them.
     pub lights: Vec<Light>,
     /// What a ray sees that hits nothing.
     pub background: Background,
     /// I_a(λ), in the unit of the image.
     pub ambient: Spectrum,
+    /// Whether pictures are in cd/m² or in a unit of their own.
     pub photometry: Photometry,
+    /// Whether objects hide light.
     pub shadows: Shadows,
+    /// `None` leaves out light that surfaces send to each other diffusely.
     pub interreflection: Option<Interreflection>,
     /// Surfaces of different objects that are this near, mm, are one interface; ≥ 0.
     pub contact_mm: f64,
@@ -143,7 +155,9 @@ impl Default for Scene {
 /// A scene with what rendering needs: built once, used by every view.
 #[derive(Debug)]
 pub struct Prepared {
+    /// What it was built from.
     pub scene: Scene,
+    /// Triangles of all objects, then of the emitters.
     pub bvh: Bvh,
     /// One a light.
     pub light_trees: Vec<LightTree>,
@@ -159,6 +173,7 @@ pub struct Prepared {
     far_lobes: Vec<Option<Lobes>>,
     /// What the objects' surfaces are to rays.
     pub surfaces: Surfaces,
+    /// How long building took.
     pub seconds: BuildSeconds,
     /// What `shading::prepare` added for the scene's interreflection.
     pub interreflection: Option<InterreflectionReport>,
@@ -166,9 +181,12 @@ pub struct Prepared {
     tables: [OnceLock<SpectralTables>; WavelengthGrid::ALL.len()],
 }
 
+/// How long the parts of a scene took to build, s of the wall clock.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct BuildSeconds {
+    /// The BVH.
     pub bvh: f64,
+    /// The trees of all lights.
     pub light_trees: f64,
 }
 

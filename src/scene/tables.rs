@@ -17,7 +17,7 @@ pub struct SpectralTables {
     pub lights: Vec<Bands>,
     /// An even background, in the unit of the image.
     pub background: Bands,
-    /// Of the surroundings, if the scene has any.
+    /// Spectra of the surroundings, if the scene has any.
     pub surroundings: Option<SurroundingsTables>,
     /// I_a(λ), in the unit of the image.
     pub ambient: Bands,

@@ -19,17 +19,17 @@ pub struct Darkness {
     pub backs: usize,
     /// Hits of any depth.
     pub hits: usize,
-    /// Of materials that return nothing: no lobes, no mirrored and no transmitted ray.
+    /// Hits on materials that return nothing: no lobes, no mirrored and no transmitted ray.
     pub dead: usize,
-    /// Of materials with lobes or a mirrored ray, but without reflectance.
+    /// Hits on materials with lobes or a mirrored ray, but without reflectance.
     pub without_reflectance: usize,
-    /// Of materials with a transmittance, but k_tg = 0.
+    /// Hits on materials with a transmittance, but k_tg = 0.
     pub shut: usize,
-    /// That asked the lights.
+    /// Hits that asked the lights.
     pub asked: usize,
-    /// Of those: that a light sample faces.
+    /// Hits among `asked` that a light sample faces.
     pub faced: usize,
-    /// Of those: that light would reach without shadows.
+    /// Hits among `faced` that light would reach without shadows.
     pub reached: usize,
     /// Rays that were cut, at `max_depth` or inside a body.
     pub ended: usize,

@@ -189,7 +189,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// Of surfaces without a body behind them, the one that faces the ray, or the lowest object.
+    /// Among surfaces without a body behind them, the one that faces the ray, or the lowest object.
     fn sheet(&self, all: &[Met]) -> Option<(Met, Facing, [Option<MaterialId>; 2])> {
         let order = |met: &&Met| (met.facing == Facing::Back, met.object);
         let sheets = all.iter().filter(|met| met.kind == SurfaceKind::Sheet);

@@ -69,7 +69,7 @@ type Key = (usize, usize, u32);
 struct Group {
     /// Position, normal, lm.
     samples: Vec<(DVec3, DVec3, f64)>,
-    /// Of all samples, W/nm.
+    /// Spectral flux of all samples, W/nm.
     power: Bands,
 }
 
@@ -81,7 +81,7 @@ struct Return {
     normal: DVec3,
     triangle: TriangleId,
     material: MaterialId,
-    /// Of the light's own spectrum, 0 to 1.
+    /// What is left of the light's own spectrum, 0 to 1.
     share: Bands,
     lm: f64,
     departure: crate::geometry::Departure,
@@ -95,7 +95,7 @@ fn follow_all(prepared: &Prepared, asked: Interreflection) -> Result<Groups> {
     let mut all = Groups::new();
     for (light, given) in prepared.scene.lights.iter().enumerate() {
         let count = (paths * given.rays.flux_lm / total_lm).ceil() as usize;
-        let starts = Starts::new(given, count);
+        let starts = PathStarts::new(given, count);
         let jobs: Vec<Groups> = (0..count.div_ceil(PATHS_PER_JOB))
             .into_par_iter()
             .map(|job| {
@@ -126,20 +126,20 @@ fn merge(all: &mut Groups, groups: Groups) {
 }
 
 /// Light samples by flux, each path with an equal share of it.
-struct Starts<'a> {
+struct PathStarts<'a> {
     light: &'a Light,
     /// Σ flux up to and with each sample.
     until: Vec<f64>,
     paths: usize,
 }
 
-impl Starts<'_> {
-    fn new(light: &Light, paths: usize) -> Starts<'_> {
+impl PathStarts<'_> {
+    fn new(light: &Light, paths: usize) -> PathStarts<'_> {
         let running = light.rays.samples.iter().scan(0.0, |sum, sample| {
             *sum += f64::from(sample.flux);
             Some(*sum)
         });
-        Starts { light, until: running.collect(), paths }
+        PathStarts { light, until: running.collect(), paths }
     }
 
     /// Evenly over the flux, into the samples' lobes.
@@ -174,7 +174,7 @@ impl Follower<'_> {
         const PILOTS: usize = 64;
         let lights = &self.tracer.prepared.scene.lights;
         let of_light = |(light, given): (usize, &Light)| {
-            let starts = Starts::new(given, PILOTS);
+            let starts = PathStarts::new(given, PILOTS);
             let mut groups = Groups::new();
             (0..PILOTS).for_each(|path| self.follow(&starts, (light, path), &mut groups));
             let samples: usize = groups.values().map(|group| group.samples.len()).sum();
@@ -185,7 +185,7 @@ impl Follower<'_> {
         (mean / PILOTS as f64).max(0.01)
     }
 
-    fn follow(&self, starts: &Starts, (light, path): (usize, usize), groups: &mut Groups) {
+    fn follow(&self, starts: &PathStarts, (light, path): (usize, usize), groups: &mut Groups) {
         let Some(ray) = starts.ray(path, self.asked.seed) else { return };
         let bands = self.tracer.tables.bands;
         let mut branch =

@@ -17,8 +17,11 @@ use crate::statistics::percentile;
 pub struct LightCheck {
     /// Sums compared: one per side of a hit and light that shine.
     pub sums: usize,
+    /// The middle one of the relative errors.
     pub median: f64,
+    /// The relative error that 95 % stay below.
     pub percentile_95: f64,
+    /// The largest relative error.
     pub largest: f64,
     /// The largest ratio of the true error to the estimated one; 0 where all sums were exact.
     pub largest_of_estimate: f64,

@@ -60,13 +60,19 @@ impl TraceLimits {
 /// What was traced and evaluated.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct TraceCounts {
+    /// Rays from the eye.
     pub camera_rays: u64,
+    /// Mirrored rays.
     pub mirror_rays: u64,
+    /// Rays that went on through a surface.
     pub transmitted_rays: u64,
+    /// Segments toward light that were tested for obstacles.
     pub shadow_rays: u64,
     /// Hits that asked the lights.
     pub light_sums: u64,
+    /// Nodes of light trees that were evaluated.
     pub light_nodes: u64,
+    /// Light samples that were summed one by one.
     pub light_samples: u64,
     /// Rays that ended at `max_depth` with more than a hundredth of their light in some band.
     pub rays_cut: u64,
@@ -95,8 +101,11 @@ impl std::ops::Add for TraceCounts {
 /// Traces rays through a prepared scene at the bands of its tables.
 #[derive(Debug, Clone, Copy)]
 pub struct Tracer<'a> {
+    /// What is looked at.
     pub prepared: &'a Prepared,
+    /// The scene's spectra at the bands.
     pub tables: &'a SpectralTables,
+    /// When a ray ends.
     pub limits: TraceLimits,
 }
 
@@ -104,6 +113,7 @@ pub struct Tracer<'a> {
 #[derive(Debug, Default)]
 pub struct TraceState {
     pending: Vec<Branch>,
+    /// What was done so far.
     pub counts: TraceCounts,
     /// Σ over hits of the estimated error of their light sums, in the luminance that reaches the
     /// camera (unit of Y).

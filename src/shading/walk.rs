@@ -28,7 +28,9 @@ pub(super) struct Branch {
 pub enum RayKind {
     /// It left the eye.
     Camera,
+    /// A surface mirrored it.
     Mirrored,
+    /// It went on through a surface.
     Transmitted,
 }
 

@@ -31,12 +31,12 @@ pub struct Bulb {
     pub temperature_k: f64,
     /// The filament's wire.
     pub coil: Coil,
-    /// Of the filament's middle from the light center: toward the tip, and sideways.
+    /// Offset of the filament's middle from the light center: toward the tip, and sideways.
     pub offset_mm: [f64; 2],
-    /// Of the light center from the cap's reference plane (R37: e).
+    /// Distance of the light center from the cap's reference plane (R37: e).
     pub light_center_mm: f64,
     /// What the light goes through.
-    pub glass: Glass,
+    pub glass: GlassColor,
 }
 
 /// Which filament of a bulb; a bulb with one has the major one.
@@ -50,7 +50,7 @@ pub enum Function {
 
 /// Color of a bulb's glass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Glass {
+pub enum GlassColor {
     /// Colorless.
     Clear,
     /// As [`amber_glass`] has it.
@@ -84,7 +84,7 @@ const P21W: Bulb = Bulb {
     coil: COIL_21_W,
     offset_mm: [0.0, 0.0],
     light_center_mm: 31.8,
-    glass: Glass::Clear,
+    glass: GlassColor::Clear,
 };
 
 /// The minor filament of P21/5W. R37 gives 2.8 mm along and across from the major one.
@@ -99,27 +99,27 @@ const P21_5W_MINOR: Bulb = Bulb {
     coil: COIL_5_W_MINOR,
     offset_mm: [2.8, 2.8],
     light_center_mm: 31.8,
-    glass: Glass::Clear,
+    glass: GlassColor::Clear,
 };
 
 /// Every category and filament.
 pub const BULBS: [Bulb; 7] = [
     P21W,
-    Bulb { category: "PY21W", flux_lm: 280.0, glass: Glass::Amber, ..P21W },
+    Bulb { category: "PY21W", flux_lm: 280.0, glass: GlassColor::Amber, ..P21W },
     Bulb { category: "P21/5W", flux_lm: 440.0, ..P21W },
     P21_5W_MINOR,
     Bulb {
         category: "PY21/5W",
         flux_lm: 270.0,
         light_center_mm: 28.6,
-        glass: Glass::Amber,
+        glass: GlassColor::Amber,
         ..P21W
     },
     Bulb {
         category: "PY21/5W",
         flux_lm: 21.0,
         light_center_mm: 28.6,
-        glass: Glass::Amber,
+        glass: GlassColor::Amber,
         ..P21_5W_MINOR
     },
     // 50 lm and 12.7 mm are often quoted; not verified in R37's text.
@@ -188,8 +188,8 @@ impl Bulb {
     pub fn spectrum(&self) -> Spectrum {
         let wire = tungsten::spectrum(self.temperature_k);
         match self.glass {
-            Glass::Clear => wire,
-            Glass::Amber => wire.mapped(|lambda_nm, s| s * amber_glass(lambda_nm)),
+            GlassColor::Clear => wire,
+            GlassColor::Amber => wire.mapped(|lambda_nm, s| s * amber_glass(lambda_nm)),
         }
     }
 }
@@ -207,7 +207,7 @@ pub fn amber_glass(lambda_nm: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::color::signal::SignalColor;
-    use crate::columns::Choice;
+    use crate::columns::{TableChoice, built_in_rows};
     use crate::light::RaySample;
     use crate::spectrum::WavelengthGrid;
     use std::f64::consts::PI;
@@ -222,15 +222,14 @@ mod tests {
     fn fluxes_are_those_of_the_table() {
         let csv = include_str!("../../data/lamps/light_source_categories.csv");
         let mut rows = 0;
-        for row in csv.lines().filter(|l| l.starts_with('P')) {
-            let cells: Vec<&str> = row.split(',').collect();
-            let category = cells[0].split(' ').next().unwrap();
-            let minor = cells[0].contains("minor");
+        for (name, row) in built_in_rows(csv).filter(|(name, _)| name.starts_with('P')) {
+            let category = name.split(' ').next().unwrap();
+            let minor = name.contains("minor");
             let function = if minor { Function::Minor } else { Function::Major };
             let bulb = Bulb::find(category, function).unwrap();
-            assert_eq!(bulb.power_w, cells[3].parse::<f64>().unwrap(), "{row}");
-            assert_eq!(bulb.flux_lm, cells[4].parse::<f64>().unwrap(), "{row}");
-            assert_eq!(bulb.light_center_mm, cells[6].parse::<f64>().unwrap(), "{row}");
+            assert_eq!(bulb.power_w, row[3], "{name}");
+            assert_eq!(bulb.flux_lm, row[4], "{name}");
+            assert_eq!(bulb.light_center_mm, row[6], "{name}");
             assert!(bulb.coil.length_mm() <= 7.0);
             rows += 1;
         }
@@ -243,7 +242,7 @@ mod tests {
     /// 12 %: coils and temperatures are rounded, and 50 K are 20 % of the light.
     #[test]
     fn coils_draw_the_power_and_give_the_flux() {
-        for bulb in BULBS.iter().filter(|b| b.glass == Glass::Clear) {
+        for bulb in BULBS.iter().filter(|b| b.glass == GlassColor::Clear) {
             let t = bulb.temperature_k;
             let resistivity_ohm_mm = 56.7e-5 * (t / 2000.0).powf(1.2);
             let section_mm2 = PI * bulb.coil.wire_radius_mm.powi(2);
@@ -277,7 +276,7 @@ mod tests {
 
     #[test]
     fn amber_bulbs_are_amber() {
-        for bulb in BULBS.iter().filter(|b| b.glass == Glass::Amber) {
+        for bulb in BULBS.iter().filter(|b| b.glass == GlassColor::Amber) {
             let xy = chromaticity(&bulb.spectrum());
             assert!(
                 SignalColor::Amber.contains(xy),
@@ -295,7 +294,7 @@ mod tests {
 
     fn material(file: &str) -> Spectrum {
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("data/materials");
-        Spectrum::load(&folder.join(file), &Choice::default()).unwrap()
+        Spectrum::load(&folder.join(file), &TableChoice::default()).unwrap()
     }
 
     /// Bulb × aluminium × lens, for the paths that light takes through a 3 mm lens with pillows.

@@ -10,7 +10,7 @@ use crate::geometry::Mesh;
 /// A round wire wound to a helix about +Z, its middle at the origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coil {
-    /// Of the wire's cross-section, mm.
+    /// Radius of the wire's cross-section, mm.
     pub wire_radius_mm: f64,
     /// How often the wire goes around, 0.01 to 1e6.
     pub turns: f64,
@@ -22,7 +22,7 @@ pub struct Coil {
 
 /// A place on the wire's surface; the wire's two cut ends are not part of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfacePoint {
+pub struct WirePoint {
     /// mm.
     pub position: DVec3,
     /// Unit, outward.
@@ -78,7 +78,7 @@ impl Coil {
         TAU * self.turns * self.coil_radius_mm.hypot(self.rise_mm())
     }
 
-    /// Of the wire without its ends. A bent tube has the area of the straight one.
+    /// Area of the wire without its ends, mm². A bent tube has the area of the straight one.
     pub fn surface_mm2(&self) -> f64 {
         TAU * self.wire_radius_mm * self.wire_length_mm()
     }
@@ -114,7 +114,7 @@ impl Coil {
     }
 
     /// Evenly by area as (u, v) runs over the unit square: u along the wire, v around it.
-    pub fn surface_point(&self, u: f64, v: f64) -> SurfacePoint {
+    pub fn surface_point(&self, u: f64, v: f64) -> WirePoint {
         let (radius, rise) = (self.coil_radius_mm, self.rise_mm());
         let turning = TAU * self.turns * u;
         let (sin, cos) = turning.sin_cos();
@@ -123,7 +123,7 @@ impl Coil {
         let curvature = radius / (radius * radius + rise * rise);
         let (s, c) = angle_around_bent_wire(v, curvature * self.wire_radius_mm).sin_cos();
         let normal = inward * c + tangent.cross(inward) * s;
-        SurfacePoint { position: self.middle(turning) + normal * self.wire_radius_mm, normal }
+        WirePoint { position: self.middle(turning) + normal * self.wire_radius_mm, normal }
     }
 
     /// Whether a ray that leaves the wire's surface meets the wire again.
@@ -131,7 +131,7 @@ impl Coil {
     /// Steps by the distance to the wire, which no step can overshoot, from 0.1 wire radii on: a
     /// ray less than 0.6° above the surface may count as free though the wire bends into its way
     /// (0.01 % of Lambert's emission; for coils of five wire radii and more).
-    pub fn blocks(&self, from: SurfacePoint, direction: DVec3) -> bool {
+    pub fn blocks(&self, from: WirePoint, direction: DVec3) -> bool {
         let wire = self.wire_radius_mm;
         let Some(walls) = Walls::along(self, from.position, direction) else { return false };
         let mut t = 0.1 * wire;
@@ -340,7 +340,7 @@ mod tests {
         let inner = COIL.surface_point(0.5, 0.0);
         assert!(inner.position.truncate().length() < COIL.coil_radius_mm);
         // Straight along the axis, through the hole, out of the end.
-        let middle = SurfacePoint { position: DVec3::ZERO, normal: DVec3::Z };
+        let middle = WirePoint { position: DVec3::ZERO, normal: DVec3::Z };
         assert!(!COIL.blocks(middle, DVec3::Z));
     }
 

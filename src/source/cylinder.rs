@@ -18,7 +18,7 @@ use crate::light::{RaySample, RaySet};
 /// Integrated by Monte Carlo: the samples are independent random points, whose noise Fig. 8 shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cylinder {
-    /// Of the body, mm.
+    /// Center of the body, mm.
     pub center: DVec3,
     /// Any length but 0.
     pub axis: DVec3,

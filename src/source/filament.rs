@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DQuat, DVec3};
 use rayon::prelude::*;
 
-use super::coil::{Coil, SurfacePoint};
+use super::coil::{Coil, WirePoint};
 use super::emitter::{Emitter, Radiance};
 use super::lambert;
 use super::sequence::EvenSequence;
@@ -33,9 +33,9 @@ pub struct Filament {
     pub coil: Coil,
     /// mm.
     pub center: DVec3,
-    /// Of the coil; any length but 0.
+    /// Axis of the coil; any length but 0.
     pub axis: DVec3,
-    /// Of the coil as a whole, lm.
+    /// Flux of the coil as a whole, lm.
     pub flux_lm: f64,
     /// How many rays are drawn, 1 to 1e8.
     pub samples: usize,
@@ -95,7 +95,7 @@ fn free_rays(
     coil: &Coil,
     sequence: EvenSequence,
     block: u32,
-) -> impl Iterator<Item = (SurfacePoint, DVec3)> {
+) -> impl Iterator<Item = (WirePoint, DVec3)> {
     let first = block * BLOCK as u32;
     (first..first + BLOCK as u32).filter_map(move |index| {
         let [u, v, a, b] = sequence.point(index);
@@ -105,7 +105,7 @@ fn free_rays(
     })
 }
 
-fn sample(from: SurfacePoint, shrink: f64) -> RaySample {
+fn sample(from: WirePoint, shrink: f64) -> RaySample {
     RaySample {
         position: from.position.as_vec3().to_array(),
         direction: shrunk(from.normal, shrink).as_vec3().to_array(),

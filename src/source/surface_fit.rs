@@ -3,20 +3,44 @@
 //! Ray files start their rays on a point, a sphere or a cylinder around the lamp, or on a plane: if
 //! one is found that is not the emitter, [`super::StartSurface`] brings the rays back.
 
+use crate::fit::solve_linear;
 use crate::geometry::DVec3;
 
 /// A surface through start points. Lengths in mm, directions unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(missing_docs)] // a field says what it is
 pub enum FittedSurface {
     /// All starts in one place.
-    Point { at: DVec3 },
+    Point {
+        /// Their mean.
+        at: DVec3,
+    },
     /// A sphere, or part of one.
-    Sphere { center: DVec3, radius_mm: f64 },
-    /// A cylinder's side: `through` lies on the axis, in the middle of the starts.
-    Cylinder { through: DVec3, axis: DVec3, radius_mm: f64, length_mm: f64 },
-    /// Starts within `radius_mm` of `through`, their mean.
-    Plane { through: DVec3, normal: DVec3, radius_mm: f64 },
+    Sphere {
+        /// Its middle.
+        center: DVec3,
+        /// Distance of the starts from it.
+        radius_mm: f64,
+    },
+    /// A cylinder's side.
+    Cylinder {
+        /// On the axis, in the middle of the starts.
+        through: DVec3,
+        /// Direction of the axis.
+        axis: DVec3,
+        /// Distance of the starts from the axis.
+        radius_mm: f64,
+        /// Extent of the starts along the axis.
+        length_mm: f64,
+    },
+    /// A part of a plane.
+    Plane {
+        /// Mean of the starts.
+        through: DVec3,
+        /// Across the plane.
+        normal: DVec3,
+        /// Largest distance of a start from `through`.
+        radius_mm: f64,
+    },
 }
 
 /// A fitted surface and how well it explains the points.
@@ -83,7 +107,7 @@ const ROUNDING: f64 = 1e-6;
 /// Points farther than this many median distances are left out of the second fit.
 const OUTLIER: f64 = 6.0;
 
-type Fit = fn(&[DVec3]) -> Option<FittedSurface>;
+type FitKind = fn(&[DVec3]) -> Option<FittedSurface>;
 
 /// The simplest surface that the points lie on: a point, a plane, a sphere or a cylinder, up to a
 /// few stray points. `None` for fewer than 10 points or a shape that is none of these.
@@ -92,7 +116,7 @@ pub fn fit_surface(points: &[DVec3]) -> Option<SurfaceFit> {
         return None;
     }
     let extent = extent_mm(points);
-    let fits: [Fit; 4] = [fit_point, fit_plane, fit_sphere, fit_cylinder];
+    let fits: [FitKind; 4] = [fit_point, fit_plane, fit_sphere, fit_cylinder];
     fits.into_iter().find_map(|fit| robust_fit(points, fit, extent))
 }
 
@@ -103,7 +127,7 @@ fn extent_mm(points: &[DVec3]) -> f64 {
 }
 
 /// Fits, drops what lies far out, and fits again.
-fn robust_fit(points: &[DVec3], fit: Fit, extent_mm: f64) -> Option<SurfaceFit> {
+fn robust_fit(points: &[DVec3], fit: FitKind, extent_mm: f64) -> Option<SurfaceFit> {
     let first = fit(points)?;
     let mut distances: Vec<f64> = points.iter().map(|&p| first.distance_mm(p)).collect();
     distances.sort_by(f64::total_cmp);
@@ -150,7 +174,7 @@ fn fit_sphere(points: &[DVec3]) -> Option<FittedSurface> {
         let p = (p - origin) / scale;
         ([2.0 * p.x, 2.0 * p.y, 2.0 * p.z, 1.0], p.length_squared())
     });
-    let [x, y, z, rest] = least_squares(rows)?;
+    let [x, y, z, rest] = solve_linear(rows)?;
     let center = DVec3::new(x, y, z);
     let radius = (rest + center.length_squared()).sqrt();
     let (center, radius_mm) = (origin + scale * center, scale * radius);
@@ -189,7 +213,7 @@ fn circle_across(points: &[DVec3], axis: DVec3) -> Option<(DVec3, f64)> {
         let (x, y) = (p.dot(e1), p.dot(e2));
         ([2.0 * x, 2.0 * y, 1.0], x * x + y * y)
     });
-    let [x, y, rest] = least_squares(rows)?;
+    let [x, y, rest] = solve_linear(rows)?;
     let radius = (rest + x * x + y * y).sqrt();
     let center = origin + scale * (x * e1 + y * e2);
     (center.is_finite() && radius.is_finite()).then_some((center, scale * radius))
@@ -221,47 +245,6 @@ pub(super) fn best_direction(cost: impl Fn(&DVec3) -> f64) -> Option<DVec3> {
     }
     let largest = best[best.abs().max_position()];
     least.is_finite().then_some(if largest < 0.0 { -best } else { best })
-}
-
-/// Solves min |A x − b|² by the normal equations; the callers' rows are centered and scaled, which
-/// keeps those well conditioned. `None` if they are singular.
-fn least_squares<const N: usize>(rows: impl Iterator<Item = ([f64; N], f64)>) -> Option<[f64; N]> {
-    let mut a = [[0.0; N]; N];
-    let mut b = [0.0; N];
-    for (row, value) in rows {
-        for i in 0..N {
-            b[i] += row[i] * value;
-            for j in 0..N {
-                a[i][j] += row[i] * row[j];
-            }
-        }
-    }
-    solve(a, b)
-}
-
-/// Gaussian elimination with pivots.
-fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [f64; N]) -> Option<[f64; N]> {
-    let largest = a.as_flattened().iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    for k in 0..N {
-        let pivot = (k..N).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs()))?;
-        a.swap(k, pivot);
-        b.swap(k, pivot);
-        // NaN is singular too.
-        if a[k][k].is_nan() || a[k][k].abs() <= 1e-13 * largest {
-            return None;
-        }
-        let (above, below) = a.split_at_mut(k + 1);
-        for (row, b_row) in below.iter_mut().zip(k + 1..) {
-            let factor = row[k] / above[k][k];
-            row.iter_mut().zip(&above[k]).for_each(|(cell, pivot)| *cell -= factor * pivot);
-            b[b_row] -= factor * b[k];
-        }
-    }
-    for k in (0..N).rev() {
-        let known: f64 = (k + 1..N).map(|j| a[k][j] * b[j]).sum();
-        b[k] = (b[k] - known) / a[k][k];
-    }
-    Some(b)
 }
 
 #[cfg(test)]

@@ -2,25 +2,25 @@
 
 use std::sync::LazyLock;
 
+use crate::columns::built_in_rows;
 use crate::spectrum::Spectrum;
 
 const EMISSIVITY_CSV: &str =
     include_str!("../../data/materials/tungsten_emissivity_pon_hessler_coeffs.csv");
 
 /// One wavelength interval of the fit.
-struct Interval {
+struct EmissivityInterval {
     last_nm: f64,
     /// λ₀, a₀, a₁, b₀, b₁, b₂, c₀, c₁.
     coefficients: [f64; 8],
 }
 
-static INTERVALS: LazyLock<Vec<Interval>> = LazyLock::new(|| {
-    let rows = EMISSIVITY_CSV.lines().filter(|l| l.starts_with(|c: char| c.is_ascii_digit()));
-    rows.map(|row| {
-        let cells: Vec<f64> = row.split(',').filter_map(|cell| cell.trim().parse().ok()).collect();
-        Interval { last_nm: cells[1], coefficients: std::array::from_fn(|k| cells[k + 2]) }
-    })
-    .collect()
+static INTERVALS: LazyLock<Vec<EmissivityInterval>> = LazyLock::new(|| {
+    let interval = |(_, row): (&str, Vec<f64>)| EmissivityInterval {
+        last_nm: row[1],
+        coefficients: std::array::from_fn(|k| row[k + 2]),
+    };
+    built_in_rows(EMISSIVITY_CSV).map(interval).collect()
 });
 
 /// Normal spectral emissivity of tungsten, for 340 to 940 nm; the ends are held outside of that.
@@ -30,7 +30,8 @@ static INTERVALS: LazyLock<Vec<Interval>> = LazyLock::new(|| {
 pub fn emissivity(lambda_nm: f64, temperature_k: f64) -> f64 {
     let lambda_nm = lambda_nm.clamp(340.0, 940.0);
     let interval = INTERVALS.iter().find(|i| lambda_nm <= i.last_nm);
-    let Some(Interval { coefficients: [l0, a0, a1, b0, b1, b2, c0, c1], .. }) = interval else {
+    let Some(EmissivityInterval { coefficients: [l0, a0, a1, b0, b1, b2, c0, c1], .. }) = interval
+    else {
         return 0.0;
     };
     let t = (temperature_k - 2200.0) / 1000.0;
@@ -50,7 +51,7 @@ pub fn spectrum(temperature_k: f64) -> Spectrum {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::Choice;
+    use crate::columns::TableChoice;
     use std::path::Path;
 
     /// NASA TN D-1088 (1961), Table III, interpolated between 2000 and 4000 K; another laboratory's
@@ -88,7 +89,7 @@ mod tests {
     fn spectrum_is_that_of_a_measured_lamp() {
         let path =
             Path::new(env!("CARGO_MANIFEST_DIR")).join("data/lamps/incandescent_nist_cqs_5nm.csv");
-        let measured = Spectrum::load(&path, &Choice::default()).unwrap();
+        let measured = Spectrum::load(&path, &TableChoice::default()).unwrap();
         let model = spectrum(2750.0);
         let errors: Vec<f64> = (80..=156)
             .map(|k| f64::from(k) * 5.0)

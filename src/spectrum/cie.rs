@@ -5,6 +5,7 @@
 use std::sync::LazyLock;
 
 use super::{Spectrum, WavelengthGrid};
+use crate::columns::built_in_rows;
 
 /// Maximum luminous efficacy K of eq. 4 and 12, lm/W.
 pub const K_LM_PER_W: f64 = 683.0;
@@ -15,14 +16,7 @@ const ILLUMINANT_D65_CSV: &str = include_str!("../../data/cie/cie_illuminant_D65
 
 /// x̄, ȳ, z̄ at the 81 bands of the 5 nm grid.
 static CMF: LazyLock<Vec<[f64; 3]>> =
-    LazyLock::new(|| embedded_rows(CMF_CSV).map(|cells| [cells[1], cells[2], cells[3]]).collect());
-
-/// Rows of numbers of an embedded table; the rows before the first number are its header.
-fn embedded_rows(csv: &'static str) -> impl Iterator<Item = Vec<f64>> {
-    csv.lines()
-        .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()))
-        .map(|line| line.split(',').filter_map(|cell| cell.parse().ok()).collect())
-}
+    LazyLock::new(|| built_in_rows(CMF_CSV).map(|(_, row)| [row[1], row[2], row[3]]).collect());
 
 /// x̄, ȳ, z̄ at a band of `grid`; every grid's bands are bands of the 5 nm grid.
 pub fn cmf(grid: WavelengthGrid, band: usize) -> [f64; 3] {
@@ -56,7 +50,7 @@ pub fn illuminant(name: &str) -> Option<Spectrum> {
         "E" => return Some(Spectrum::constant(1.0).into_light()),
         _ => return None,
     };
-    let rows = embedded_rows(csv).map(|cells| (cells[0], cells[1]));
+    let rows = built_in_rows(csv).map(|(_, row)| (row[0], row[1]));
     Spectrum::from_pairs(name, rows).ok().map(|s| s.normalized_at(560.0).into_light())
 }
 

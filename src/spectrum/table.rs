@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::cie;
-use crate::columns::{Choice, Curve, Table};
+use crate::columns::{Table, TableChoice, WavelengthCurve};
 use crate::error::{Error, Result};
 use crate::spectrum::WavelengthGrid;
 
@@ -23,12 +23,12 @@ pub struct Spectrum {
     /// The values as light, where they differ within the table: of products and sums whose tables
     /// cover different wavelengths.
     light: Option<Vec<f64>>,
-    origin: Origin,
+    origin: TableOrigin,
 }
 
 /// Whether a table is known to be a light's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Origin {
+enum TableOrigin {
     /// A table that may be anything.
     Unknown,
     /// A standard illuminant, a radiator, or a product with one.
@@ -48,12 +48,12 @@ impl Spectrum {
     }
 
     fn of(lambda_nm: Vec<f64>, values: Vec<f64>) -> Self {
-        Self { lambda_nm, values, light: None, origin: Origin::Unknown }
+        Self { lambda_nm, values, light: None, origin: TableOrigin::Unknown }
     }
 
     /// The same table, known to be a light's: in products the other one is held constant.
     pub(super) fn into_light(self) -> Self {
-        Self { origin: Origin::Light, ..self }
+        Self { origin: TableOrigin::Light, ..self }
     }
 
     /// From rows of wavelength (nm) and value.
@@ -71,7 +71,7 @@ impl Spectrum {
     /// From a file of any kind that [`Table`] reads.
     ///
     /// Errors: those of [`Table::read`] and [`Table::curve`].
-    pub fn load(path: &Path, choice: &Choice) -> Result<Self> {
+    pub fn load(path: &Path, choice: &TableChoice) -> Result<Self> {
         Table::read(path)?.curve(choice).map(Self::from)
     }
 
@@ -192,8 +192,8 @@ impl Spectrum {
     pub fn product(&self, other: &Self) -> Self {
         let product = |l: f64| self.at(l) * other.at(l);
         let into_light = |l: f64| match (self.origin, other.origin) {
-            (Origin::Light, Origin::Unknown) => self.light_at(l) * other.at(l),
-            (Origin::Unknown, Origin::Light) => self.at(l) * other.light_at(l),
+            (TableOrigin::Light, TableOrigin::Unknown) => self.light_at(l) * other.at(l),
+            (TableOrigin::Unknown, TableOrigin::Light) => self.at(l) * other.light_at(l),
             _ => self.light_at(l) * other.light_at(l),
         };
         self.combined(other, product, into_light)
@@ -218,8 +218,8 @@ impl Spectrum {
         let light: Vec<f64> = lambda_nm.iter().map(|&l| into_light(l)).collect();
         let light = (light != values).then_some(light);
         let origin = match (self.origin, other.origin) {
-            (Origin::Unknown, Origin::Unknown) => Origin::Unknown,
-            _ => Origin::Light,
+            (TableOrigin::Unknown, TableOrigin::Unknown) => TableOrigin::Unknown,
+            _ => TableOrigin::Light,
         };
         Self { lambda_nm, values, light, origin }
     }
@@ -230,8 +230,8 @@ impl Spectrum {
     }
 }
 
-impl From<Curve> for Spectrum {
-    fn from(curve: Curve) -> Self {
+impl From<WavelengthCurve> for Spectrum {
+    fn from(curve: WavelengthCurve) -> Self {
         Self::from_sorted(curve.lambda_nm, curve.values)
     }
 }

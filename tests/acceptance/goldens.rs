@@ -5,7 +5,7 @@ use std::path::Path;
 use lampyris::color::Photometry;
 use lampyris::display::{Exposure, Look};
 use lampyris::image::{SpectralImage, weighted_sum};
-use lampyris::output::{Samples, develop_png, read_exr, read_png};
+use lampyris::output::{Digits, develop_png, read_exr, read_png};
 use lampyris::spectrum::WavelengthGrid;
 
 use crate::stage::{run_script, scratch};
@@ -94,5 +94,5 @@ fn a_golden_that_fails_leaves_pictures() {
         raster.samples
     };
     assert_eq!(digits("expected"), digits("difference"), "all of it is missing");
-    assert_eq!(digits("actual"), Samples::Eight(vec![0; 6].into()));
+    assert_eq!(digits("actual"), Digits::Eight(vec![0; 6].into()));
 }

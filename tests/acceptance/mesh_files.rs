@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lampyris::geometry::import::{self, Interpolation, Reading};
+use lampyris::geometry::import::{self, Interpolation, MeshReading};
 use lampyris::geometry::mesh::{Axis, Placement};
 use lampyris::geometry::{DVec3, Mesh};
 use lampyris::image::SpectralImage;
@@ -14,7 +14,7 @@ use lampyris::view::View;
 use crate::stage::{exact, material, pixel_view, point_light, scene, shoot, specular};
 
 fn load(text: &str, interpolation: Interpolation) -> Mesh {
-    let reading = Reading { interpolation, ..Reading::default() };
+    let reading = MeshReading { interpolation, ..MeshReading::default() };
     import::from_bytes(Path::new("part.obj"), text.into(), &reading).unwrap().mesh
 }
 

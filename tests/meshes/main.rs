@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-use lampyris::geometry::import::{self, MeshFile, Reading, Selection};
+use lampyris::geometry::import::{self, MeshFile, MeshReading, Selection};
 
 /// The system's allocator, which notes how much is held, and the most that was.
 struct Watched;
@@ -170,7 +170,7 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
     }
 }
 
-fn read(bytes: Vec<u8>, reading: &Reading) -> lampyris::Result<MeshFile> {
+fn read(bytes: Vec<u8>, reading: &MeshReading) -> lampyris::Result<MeshFile> {
     import::from_bytes(Path::new("mesh"), bytes, reading)
 }
 
@@ -187,10 +187,10 @@ fn broken_meshes_neither_panic_nor_ask_for_memory() {
     let count = std::env::var("LAMPYRIS_MUTATIONS").ok().and_then(|n| n.parse().ok());
     let count: u64 = count.unwrap_or(20_000);
     let seeds = seeds();
-    let welded = Reading { weld_mm: 0.5, ..Reading::default() };
+    let welded = MeshReading { weld_mm: 0.5, ..MeshReading::default() };
     let selection = Selection { object: Some(b"lens".to_vec()), ..Selection::default() };
-    let part = Reading { selection, ..Reading::default() };
-    let readings = [Reading::default(), welded, part];
+    let part = MeshReading { selection, ..MeshReading::default() };
+    let readings = [MeshReading::default(), welded, part];
     let mut accepted = 0;
     for case in 0..count {
         let mut random = Random(case);
@@ -238,7 +238,7 @@ fn dense_files_stay_within_sixteen_times_their_size() {
         let bytes = text.into_bytes();
         let before = HELD.load(Relaxed) - length;
         MOST.store(before, Relaxed);
-        let file = read(bytes, &Reading::default());
+        let file = read(bytes, &MeshReading::default());
         let most = MOST.load(Relaxed) - before;
         assert!(file.is_ok() || length < 100);
         assert!(

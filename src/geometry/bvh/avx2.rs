@@ -6,7 +6,7 @@ use std::arch::x86_64::*;
 use super::super::{DVec3, Ray, TriangleId};
 use super::Bvh;
 use super::bounds::Frame;
-use super::kernel::{Aim, Kernel};
+use super::kernel::{Aim, TriangleKernel};
 use super::probe::{self, CANCELLATION, Crossing, Probe};
 use super::query::{FirstHit, Segment};
 use super::walk::LEAST_DIRECTION;
@@ -24,13 +24,13 @@ pub(super) struct WideRay {
     shear: [__m256; 3],
 }
 
-/// Of one plane of a node.
+/// Bytes of one plane of a node.
 const PLANE_BYTES: usize = size_of::<Lanes>();
 
 /// Used only in functions compiled for AVX2 and FMA, into which all of it is inlined.
 pub(super) struct Avx2;
 
-impl Kernel for Avx2 {
+impl TriangleKernel for Avx2 {
     type Ray = WideRay;
 
     #[inline(always)]

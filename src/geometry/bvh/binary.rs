@@ -50,17 +50,17 @@ pub(super) fn build(primitives: &mut [Primitive]) -> Vec<BinaryNode> {
         return Vec::new();
     }
     let mut nodes = vec![BinaryNode::EMPTY; 2 * primitives.len() - 1];
-    build_range(primitives, &mut nodes, Place { first: 0, depth: 0 });
+    build_range(primitives, &mut nodes, TreeRange { first: 0, depth: 0 });
     nodes
 }
 
 #[derive(Clone, Copy)]
-struct Place {
+struct TreeRange {
     first: u32,
     depth: u32,
 }
 
-fn build_range(primitives: &mut [Primitive], nodes: &mut [BinaryNode], place: Place) {
+fn build_range(primitives: &mut [Primitive], nodes: &mut [BinaryNode], place: TreeRange) {
     let count = primitives.len();
     let (bounds, centers) = bounds_of(primitives);
     let left_count = if count == 1 {
@@ -83,8 +83,8 @@ fn build_range(primitives: &mut [Primitive], nodes: &mut [BinaryNode], place: Pl
     let (left, right) = primitives.split_at_mut(left_count);
     let (left_nodes, right_nodes) = below.split_at_mut(2 * left_count - 1);
     let depth = place.depth + 1;
-    let left_place = Place { first: place.first, depth };
-    let right_place = Place { first: place.first + left_count as u32, depth };
+    let left_place = TreeRange { first: place.first, depth };
+    let right_place = TreeRange { first: place.first + left_count as u32, depth };
     if count >= PARALLEL_TRIANGLES {
         rayon::join(
             || build_range(left, left_nodes, left_place),
@@ -135,7 +135,7 @@ fn partition(primitives: &mut [Primitive], is_left: impl Fn(&Primitive) -> bool)
     }
 }
 
-struct Plane {
+struct SplitPlane {
     axis: usize,
     low: f32,
     bins_per_unit: f32,
@@ -143,7 +143,7 @@ struct Plane {
     bin_right: usize,
 }
 
-impl Plane {
+impl SplitPlane {
     #[inline]
     fn bin(&self, primitive: &Primitive) -> usize {
         // Saturates at 0 for what rounding puts below.
@@ -158,8 +158,8 @@ struct Bin {
 }
 
 /// The plane of least Σ area · count, `None` if all centers coincide.
-fn best_plane(primitives: &[Primitive], centers: &Box3) -> Option<Plane> {
-    let mut best: Option<(f32, Plane)> = None;
+fn best_plane(primitives: &[Primitive], centers: &Box3) -> Option<SplitPlane> {
+    let mut best: Option<(f32, SplitPlane)> = None;
     for axis in 0..3 {
         let extent = centers.high[axis] - centers.low[axis];
         // The largest center must reach the last bin and an inverse must be finite.
@@ -167,7 +167,7 @@ fn best_plane(primitives: &[Primitive], centers: &Box3) -> Option<Plane> {
             continue;
         }
         let bins_per_unit = BINS as f32 / extent;
-        let mut plane = Plane { axis, low: centers.low[axis], bins_per_unit, bin_right: 0 };
+        let mut plane = SplitPlane { axis, low: centers.low[axis], bins_per_unit, bin_right: 0 };
         let mut bins = [Bin { bounds: Box3::EMPTY, count: 0 }; BINS];
         for primitive in primitives {
             let bin = &mut bins[plane.bin(primitive)];

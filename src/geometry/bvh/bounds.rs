@@ -43,7 +43,7 @@ impl Box3 {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Frame {
     pub center: DVec3,
-    /// Of a sphere around all triangles, mm.
+    /// Radius of a sphere around all triangles, mm.
     pub radius_mm: f64,
     /// Frame units a mm, a power of two.
     pub per_mm: f64,

@@ -22,7 +22,7 @@ pub(super) struct Forest {
 
 /// How a subtree is cut into a number of trees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum TreeCut {
     Whole,
     Cut { left: usize, right: usize },
 }
@@ -35,15 +35,15 @@ impl Forest {
         self.is_leaf
     }
 
-    pub fn part(&self, mut trees: usize) -> Part {
+    pub fn part(&self, mut trees: usize) -> TreeCut {
         while trees >= 2 {
             let left = usize::from(self.left_trees[trees - 2]);
             if left > 0 {
-                return Part::Cut { left, right: trees - left };
+                return TreeCut::Cut { left, right: trees - left };
             }
             trees -= 1;
         }
-        Part::Whole
+        TreeCut::Whole
     }
 
     fn single(node: &BinaryNode) -> Forest {

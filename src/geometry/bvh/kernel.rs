@@ -8,7 +8,7 @@ use super::probe::{Crossing, Probe};
 use super::walk::TreeRay;
 use super::wide::{CORNERS, LANES, Lanes, Packet, WideNode};
 
-/// A distance as [`Kernel::may_meet`] compares it. It covers the rounding of this value (2), of f32
+/// A distance as [`TriangleKernel::may_meet`] compares it. It covers the rounding of this value (2), of f32
 /// distances (4) and of a mean of the corners' distances, in units of 2⁻²⁴.
 #[inline(always)]
 pub(super) fn to_end_mm(t_mm: f64) -> f32 {
@@ -22,7 +22,7 @@ pub(super) struct Aim<'a> {
     pub end_mm: f32,
 }
 
-pub(super) trait Kernel {
+pub(super) trait TriangleKernel {
     /// A ray made ready for both tests.
     type Ray;
 
@@ -53,7 +53,7 @@ pub(super) trait Kernel {
 /// Plain arrays, which compilers turn into whatever vectors the target has.
 pub(super) struct Portable;
 
-impl Kernel for Portable {
+impl TriangleKernel for Portable {
     type Ray = TreeRay;
 
     #[inline(always)]

@@ -6,7 +6,7 @@ use super::super::{DVec3, Hit, Ray, TriangleId};
 #[cfg(target_arch = "x86_64")]
 use super::avx2;
 use super::bounds::FARTHEST;
-use super::kernel::{Aim, Kernel, Portable, to_end_mm};
+use super::kernel::{Aim, Portable, TriangleKernel, to_end_mm};
 use super::probe::{Crossing, Probe};
 use super::walk;
 use super::wide::NO_TRIANGLE;
@@ -106,7 +106,7 @@ impl Bvh {
     }
 
     #[inline(always)]
-    pub(super) fn closest_with<K: Kernel>(
+    pub(super) fn closest_with<K: TriangleKernel>(
         &self,
         ray: &Ray,
         leaving: Option<TriangleId>,
@@ -148,7 +148,11 @@ impl Bvh {
     }
 
     #[inline(always)]
-    pub(super) fn occluded_with<K: Kernel>(&self, segment: &Segment, blocks: &[bool]) -> bool {
+    pub(super) fn occluded_with<K: TriangleKernel>(
+        &self,
+        segment: &Segment,
+        blocks: &[bool],
+    ) -> bool {
         let Some(probe) = self.probe(&segment.ray) else { return false };
         let end_mm = segment.length_mm - probe.advance_mm;
         let tree_ray = K::aim(&probe, &segment.ray.direction, &self.frame);

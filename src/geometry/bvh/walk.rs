@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use super::super::DVec3;
 use super::binary;
 use super::bounds::Frame;
-use super::kernel::Kernel;
+use super::kernel::TriangleKernel;
 use super::probe::Probe;
 use super::wide::{Child, LANES, Lanes, Packet, Tree, WideNode};
 
@@ -47,7 +47,7 @@ impl Tree {
     /// Calls `meet` with the packets whose boxes the ray enters before `end`, nearer ones first; it
     /// returns the new `end`, or breaks off.
     #[inline(always)]
-    pub fn walk<K: Kernel>(
+    pub fn walk<K: TriangleKernel>(
         &self,
         ray: &K::Ray,
         mut end: f32,
@@ -89,7 +89,7 @@ impl Tree {
     /// Compares with branches, which the processor guesses, see [`pick`]. What may be visited is
     /// asked of the memory first, since a wrong guess costs as long as its reading takes.
     #[inline(always)]
-    fn nearest<K: Kernel>(
+    fn nearest<K: TriangleKernel>(
         &self,
         node: &WideNode,
         mut lanes: u32,
@@ -131,7 +131,7 @@ impl Tree {
 
     /// Without a branch, which would be guessed wrong as often as not.
     #[inline(always)]
-    fn prefetch<K: Kernel>(&self, child: Child) {
+    fn prefetch<K: TriangleKernel>(&self, child: Child) {
         const { assert!(size_of::<Packet>() == size_of::<WideNode>()) };
         let (nodes, packets) = (self.nodes.as_ptr(), self.packets.as_ptr());
         let first: *const u8 =
@@ -160,7 +160,7 @@ impl Tree {
 /// being tested. Rays that resemble the ray before them become faster by a half, others slower by
 /// less than a tenth.
 #[inline(always)]
-fn pick<K: Kernel>(node: &WideNode, lane: usize) -> Child {
+fn pick<K: TriangleKernel>(node: &WideNode, lane: usize) -> Child {
     macro_rules! children {
         ($($i:literal)*) => {
             match lane {
@@ -191,7 +191,7 @@ impl Stack<'_> {
 
     /// Puts `waiting` among those from `bottom` on, which are sorted.
     #[inline(always)]
-    fn insert<K: Kernel>(&mut self, waiting: Waiting, bottom: usize) {
+    fn insert<K: TriangleKernel>(&mut self, waiting: Waiting, bottom: usize) {
         let mut place = self.top;
         while place > bottom && self.written(place - 1) < waiting {
             K::branch::<LANES>();

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::super::DVec3;
 use super::binary::BinaryNode;
-use super::forest::{Forest, Part};
+use super::forest::{Forest, TreeCut};
 
 /// Children of a node, triangles of a packet, lanes of a kernel.
 pub(super) const LANES: usize = 8;
@@ -197,8 +197,9 @@ impl Collapse<'_> {
     }
 
     /// The roots of the trees into which `part` cuts the subtree.
-    fn gather(&self, index: usize, part: Part, roots: &mut Vec<usize>) {
-        let (Part::Cut { left, right }, Some(below)) = (part, self.binary[index].children()) else {
+    fn gather(&self, index: usize, part: TreeCut, roots: &mut Vec<usize>) {
+        let (TreeCut::Cut { left, right }, Some(below)) = (part, self.binary[index].children())
+        else {
             return roots.push(index);
         };
         for (child, trees) in below.into_iter().zip([left, right]) {

@@ -7,9 +7,9 @@ use gltf::accessor::{DataType, Dimensions};
 use gltf::mesh::Mode;
 use gltf::{Accessor, Document, Gltf, Node, Primitive, Semantic, buffer};
 
-use super::parts::Run;
+use super::parts::PolygonRun;
 use super::polygons::Polygons;
-use super::{Contents, Fault, Parsed};
+use super::{Contents, MeshFault, MeshResult};
 use crate::geometry::DVec3;
 
 /// Nodes may repeat a mesh: this many triangles, or one for every 12 bytes of the file if that is
@@ -23,7 +23,7 @@ const EXTENSIONS: [(&str, &str); 3] = [
     ("KHR_mesh_quantization", "export it without quantization"),
 ];
 
-pub(super) fn parse(bytes: &[u8], folder: &Path) -> Parsed<Contents> {
+pub(super) fn parse(bytes: &[u8], folder: &Path) -> MeshResult<Contents> {
     let gltf = document(bytes).map_err(|problem| not_read(bytes, &problem))?;
     let buffers = buffers(&gltf, folder)?;
     let mut import = Import {
@@ -63,20 +63,20 @@ fn document(bytes: &[u8]) -> std::result::Result<Gltf, String> {
     Ok(Gltf { document: Document::from_json(json).map_err(text)?, blob })
 }
 
-fn not_read(bytes: &[u8], error: &str) -> Fault {
+fn not_read(bytes: &[u8], error: &str) -> MeshFault {
     let holds = |what: &str| bytes.windows(what.len()).any(|window| window == what.as_bytes());
     match EXTENSIONS.iter().find(|(name, _)| holds(name)) {
-        Some((name, what_to_do)) => Fault::file(format!("uses {name}: {what_to_do}")),
-        None => Fault::file(format!("glTF: {}", error.replace('\n', " "))),
+        Some((name, what_to_do)) => MeshFault::file(format!("uses {name}: {what_to_do}")),
+        None => MeshFault::file(format!("glTF: {}", error.replace('\n', " "))),
     }
 }
 
-fn buffers(gltf: &Gltf, folder: &Path) -> Parsed<Vec<Vec<u8>>> {
+fn buffers(gltf: &Gltf, folder: &Path) -> MeshResult<Vec<Vec<u8>>> {
     gltf.buffers()
         .map(|buffer| match buffer.source() {
             buffer::Source::Bin => match &gltf.blob {
                 Some(blob) => Ok(blob.clone()),
-                None => Err(Fault::file("its binary part is missing")),
+                None => Err(MeshFault::file("its binary part is missing")),
             },
             buffer::Source::Uri(uri) => match uri.strip_prefix("data:") {
                 Some(data) => from_base64(data),
@@ -86,19 +86,19 @@ fn buffers(gltf: &Gltf, folder: &Path) -> Parsed<Vec<Vec<u8>>> {
         .collect()
 }
 
-fn from_file(uri: &str, folder: &Path) -> Parsed<Vec<u8>> {
+fn from_file(uri: &str, folder: &Path) -> MeshResult<Vec<u8>> {
     let name = uri.replace("%20", " ");
     let is_below = Path::new(&name).components().all(|part| matches!(part, Component::Normal(_)));
     if !is_below || name.contains(':') {
-        return Err(Fault::file(format!("buffer \"{uri}\" lies outside of the file's folder")));
+        return Err(MeshFault::file(format!("buffer \"{uri}\" lies outside of the file's folder")));
     }
     std::fs::read(folder.join(&name))
-        .map_err(|error| Fault::file(format!("buffer \"{uri}\" cannot be read: {error}")))
+        .map_err(|error| MeshFault::file(format!("buffer \"{uri}\" cannot be read: {error}")))
 }
 
-fn from_base64(data: &str) -> Parsed<Vec<u8>> {
+fn from_base64(data: &str) -> MeshResult<Vec<u8>> {
     let (_, text) =
-        data.split_once(";base64,").ok_or_else(|| Fault::file("a buffer is not in base64"))?;
+        data.split_once(";base64,").ok_or_else(|| MeshFault::file("a buffer is not in base64"))?;
     let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
     let (mut bits, mut count) = (0u32, 0);
     for letter in text.bytes().filter(|&letter| letter != b'=') {
@@ -108,7 +108,7 @@ fn from_base64(data: &str) -> Parsed<Vec<u8>> {
             b'0'..=b'9' => letter - b'0' + 52,
             b'+' | b'-' => 62,
             b'/' | b'_' => 63,
-            _ => return Err(Fault::file("a buffer is not in base64")),
+            _ => return Err(MeshFault::file("a buffer is not in base64")),
         };
         bits = bits << 6 | u32::from(six);
         count += 6;
@@ -132,12 +132,12 @@ struct Import<'a> {
 }
 
 impl Import<'_> {
-    fn walk(&mut self, roots: Vec<Node>) -> Parsed<()> {
+    fn walk(&mut self, roots: Vec<Node>) -> MeshResult<()> {
         let mut pending: Vec<(Node, DMat4)> =
             roots.into_iter().rev().map(|node| (node, DMat4::IDENTITY)).collect();
         while let Some((node, parent)) = pending.pop() {
             if std::mem::replace(&mut self.is_visited[node.index()], true) {
-                return Err(Fault::file(format!("node {} has two parents", node.index())));
+                return Err(MeshFault::file(format!("node {} has two parents", node.index())));
             }
             let columns = node.transform().matrix().map(|column| column.map(f64::from));
             let world = parent * DMat4::from_cols_array_2d(&columns);
@@ -154,7 +154,7 @@ impl Import<'_> {
         Ok(())
     }
 
-    fn add(&mut self, primitive: &Primitive, world: DMat4, object: Option<u32>) -> Parsed<()> {
+    fn add(&mut self, primitive: &Primitive, world: DMat4, object: Option<u32>) -> MeshResult<()> {
         let Some(accessor) = primitive.get(&Semantic::Positions) else {
             return Ok(());
         };
@@ -164,7 +164,7 @@ impl Import<'_> {
         let world_positions = local.into_iter().map(|p| world.transform_point3(p));
         self.polygons.positions.extend(world_positions);
         if let Some(at) = self.polygons.positions[first..].iter().position(|p| !p.is_finite()) {
-            return Err(Fault::record(at + 1, "position is not finite"));
+            return Err(MeshFault::record(at + 1, "position is not finite"));
         }
         let corners = match primitive.indices() {
             Some(accessor) => self.indices(&accessor, count)?,
@@ -172,13 +172,18 @@ impl Import<'_> {
         };
         let material = primitive.material().name().map(str::as_bytes);
         let material = material.map(|name| self.polygons.parts.materials.number(name));
-        let run = Run { first: self.polygons.ends.len() as u32, object, material, ..Run::START };
+        let run = PolygonRun {
+            first: self.polygons.ends.len() as u32,
+            object,
+            material,
+            ..PolygonRun::START
+        };
         self.polygons.parts.push(run);
         self.add_normals(primitive, world, count)?;
         self.add_triangles(primitive.mode(), &corners, first as u32, world.determinant() < 0.0)
     }
 
-    fn add_normals(&mut self, primitive: &Primitive, world: DMat4, count: usize) -> Parsed<()> {
+    fn add_normals(&mut self, primitive: &Primitive, world: DMat4, count: usize) -> MeshResult<()> {
         let Some(accessor) = primitive.get(&Semantic::Normals) else {
             self.has_normals = false;
             return Ok(());
@@ -201,7 +206,7 @@ impl Import<'_> {
         corners: &[u32],
         first: u32,
         is_mirrored: bool,
-    ) -> Parsed<()> {
+    ) -> MeshResult<()> {
         let strip =
             |k: usize| if k.is_multiple_of(2) { [k, k + 1, k + 2] } else { [k + 1, k, k + 2] };
         let places: Vec<[usize; 3]> = match mode {
@@ -216,7 +221,7 @@ impl Import<'_> {
             }
         };
         if self.polygons.ends.len() + places.len() > self.most_triangles {
-            return Err(Fault::file(format!(
+            return Err(MeshFault::file(format!(
                 "its nodes repeat meshes to more than {} triangles: export it without instances",
                 self.most_triangles
             )));
@@ -233,9 +238,9 @@ impl Import<'_> {
         Ok(())
     }
 
-    fn vectors(&self, accessor: &Accessor) -> Parsed<Vec<DVec3>> {
+    fn vectors(&self, accessor: &Accessor) -> MeshResult<Vec<DVec3>> {
         if (accessor.data_type(), accessor.dimensions()) != (DataType::F32, Dimensions::Vec3) {
-            return Err(Fault::file(
+            return Err(MeshFault::file(
                 "has vertices that are not three floats: export it without quantization",
             ));
         }
@@ -245,7 +250,7 @@ impl Import<'_> {
         Ok(self.items(accessor, 12)?.map(vector).collect())
     }
 
-    fn indices(&self, accessor: &Accessor, count: usize) -> Parsed<Vec<u32>> {
+    fn indices(&self, accessor: &Accessor, count: usize) -> MeshResult<Vec<u32>> {
         let size = accessor.data_type().size();
         let index = |b: &[u8]| match size {
             1 => b[0].into(),
@@ -258,17 +263,17 @@ impl Import<'_> {
             Some(at) => {
                 let problem =
                     format!("index is {}, allowed: 0 to {}", indices[at], count as i64 - 1);
-                Err(Fault::record(at + 1, problem))
+                Err(MeshFault::record(at + 1, problem))
             }
         }
     }
 
     /// The bytes of each item. The crate's own iterators trust the lengths that a file gives.
-    fn items(&self, accessor: &Accessor, size: usize) -> Parsed<impl Iterator<Item = &[u8]>> {
+    fn items(&self, accessor: &Accessor, size: usize) -> MeshResult<impl Iterator<Item = &[u8]>> {
         let outside =
-            || Fault::file(format!("accessor {} lies outside of its buffer", accessor.index()));
+            || MeshFault::file(format!("accessor {} lies outside of its buffer", accessor.index()));
         if accessor.sparse().is_some() {
-            return Err(Fault::file(format!(
+            return Err(MeshFault::file(format!(
                 "accessor {} is sparse: export it without",
                 accessor.index()
             )));

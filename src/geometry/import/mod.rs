@@ -14,9 +14,9 @@ mod stl;
 
 use std::path::Path;
 
-use super::Mesh;
+use super::{Closure, Mesh};
 use crate::error::{Error, Place, Result};
-use parts::Run;
+use parts::PolygonRun;
 use polygons::Polygons;
 
 /// Which of a file's faces are wanted: those that have all of the names that are given.
@@ -41,7 +41,7 @@ pub enum Interpolation {
 
 /// What a file does not say.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
+pub struct MeshReading {
     /// The parts to read.
     pub selection: Selection,
     /// Length of the file's unit times the scale wanted, mm, > 0.
@@ -58,7 +58,7 @@ pub struct Reading {
 /// Faces of CAD parts meet at 90° or, at chamfers, 45°; tessellations of round parts stay below 30°.
 pub const CREASE_DEG: f64 = 40.0;
 
-impl Default for Reading {
+impl Default for MeshReading {
     fn default() -> Self {
         Self {
             selection: Selection::default(),
@@ -115,7 +115,7 @@ impl MeshFile {
 
     /// Whether a closed mesh has its fronts inside.
     pub fn inside_out_warning(&self) -> Option<String> {
-        let is_inside_out = self.mesh.volume_mm3() < 0.0 && self.mesh.open_edges() == 0;
+        let is_inside_out = self.mesh.volume_mm3() < 0.0 && Closure::of(&self.mesh).is_closed();
         is_inside_out.then(|| "its volume is negative: fronts are inside".to_owned())
     }
 }
@@ -138,12 +138,12 @@ impl std::fmt::Display for Short {
 
 /// What is wrong with a file, before it has a path.
 #[derive(Debug, PartialEq)]
-pub(super) struct Fault {
+pub(super) struct MeshFault {
     pub place: Place,
     pub problem: String,
 }
 
-impl Fault {
+impl MeshFault {
     fn file(problem: impl Into<String>) -> Self {
         Self { place: Place::File, problem: problem.into() }
     }
@@ -153,7 +153,7 @@ impl Fault {
     }
 }
 
-type Parsed<T> = std::result::Result<T, Fault>;
+type MeshResult<T> = std::result::Result<T, MeshFault>;
 
 /// What a format's reader finds.
 struct Contents {
@@ -166,13 +166,13 @@ struct Contents {
 ///
 /// Errors: [`Error::Io`]; [`Error::BadFile`] with the line or record; other formats, with how to
 /// export; a part that is not there, with the names that are.
-pub fn load(path: &Path, reading: &Reading) -> Result<MeshFile> {
+pub fn load(path: &Path, reading: &MeshReading) -> Result<MeshFile> {
     let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
     from_bytes(path, bytes, reading)
 }
 
 /// As [`load`], of a file's bytes; buffers beside a glTF file are looked for beside `path`.
-pub fn from_bytes(path: &Path, bytes: Vec<u8>, reading: &Reading) -> Result<MeshFile> {
+pub fn from_bytes(path: &Path, bytes: Vec<u8>, reading: &MeshReading) -> Result<MeshFile> {
     parse(path, bytes, reading).map_err(|fault| Error::bad_file(path, fault.place, fault.problem))
 }
 
@@ -186,9 +186,9 @@ pub fn is_mesh(path: &Path, start: &[u8]) -> bool {
         || ["obj", "stl", "gltf", "glb", "ply"].into_iter().any(has)
 }
 
-fn parse(path: &Path, bytes: Vec<u8>, reading: &Reading) -> Parsed<MeshFile> {
+fn parse(path: &Path, bytes: Vec<u8>, reading: &MeshReading) -> MeshResult<MeshFile> {
     if let Some(advice) = refused::advice(&bytes) {
-        return Err(Fault::file(advice.problem));
+        return Err(MeshFault::file(advice.problem));
     }
     let contents = contents(path, bytes)?;
     let Contents { format, mut polygons, mut warnings } = contents;
@@ -196,7 +196,7 @@ fn parse(path: &Path, bytes: Vec<u8>, reading: &Reading) -> Parsed<MeshFile> {
     if let Some(chosen) = chosen {
         polygons.keep(&chosen);
     }
-    let names = |names: &parts::Names| names.with_faces().collect();
+    let names = |names: &parts::PartNames| names.with_faces().collect();
     let (groups, objects, materials) = (
         names(&polygons.parts.groups),
         names(&polygons.parts.objects),
@@ -206,7 +206,7 @@ fn parse(path: &Path, bytes: Vec<u8>, reading: &Reading) -> Parsed<MeshFile> {
     Ok(MeshFile { mesh, format, groups, objects, materials, warnings })
 }
 
-fn contents(path: &Path, bytes: Vec<u8>) -> Parsed<Contents> {
+fn contents(path: &Path, bytes: Vec<u8>) -> MeshResult<Contents> {
     let bytes = encoding::to_ascii_based(bytes);
     if ply::is_ply(&bytes) {
         return ply::parse(&bytes);
@@ -223,8 +223,8 @@ fn contents(path: &Path, bytes: Vec<u8>) -> Parsed<Contents> {
     }
     if bytes.iter().take(4096).any(|&byte| byte == 0) {
         return match stl::announced(&bytes) {
-            Some(problem) => Err(Fault::file(problem)),
-            None => Err(Fault::file("is no mesh: neither OBJ, STL, PLY nor glTF")),
+            Some(problem) => Err(MeshFault::file(problem)),
+            None => Err(MeshFault::file("is no mesh: neither OBJ, STL, PLY nor glTF")),
         };
     }
     obj::parse(bytes)

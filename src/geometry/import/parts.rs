@@ -4,18 +4,18 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::encoding::{is_same_name, readable};
-use super::{Fault, Parsed, Selection};
+use super::{MeshFault, MeshResult, Selection};
 use crate::geometry::normals::Smoothing;
 
 /// Names of one kind, numbered in the file's order.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct Names {
+pub(super) struct PartNames {
     numbers: HashMap<Vec<u8>, u32>,
     names: Vec<Vec<u8>>,
     has_faces: Vec<bool>,
 }
 
-impl Names {
+impl PartNames {
     pub fn number(&mut self, name: &[u8]) -> u32 {
         if let Some(&number) = self.numbers.get(name) {
             return number;
@@ -61,7 +61,7 @@ impl Names {
 
 /// What holds for the polygons from `first` to the next run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Run {
+pub(super) struct PolygonRun {
     pub first: u32,
     pub group: Option<u32>,
     pub object: Option<u32>,
@@ -69,7 +69,7 @@ pub(super) struct Run {
     pub smoothing: Smoothing,
 }
 
-impl Run {
+impl PolygonRun {
     pub const START: Self = Self {
         first: 0,
         group: None,
@@ -82,18 +82,18 @@ impl Run {
 /// All names, and where they hold.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Parts {
-    pub groups: Names,
-    pub objects: Names,
-    pub materials: Names,
+    pub groups: PartNames,
+    pub objects: PartNames,
+    pub materials: PartNames,
     /// In the order of their first polygons.
-    pub runs: Vec<Run>,
+    pub runs: Vec<PolygonRun>,
     /// How many polygons there are.
     pub polygons: u32,
 }
 
 impl Parts {
     /// A run from polygon `run.first` on, in the place of one that has no polygons.
-    pub fn push(&mut self, run: Run) {
+    pub fn push(&mut self, run: PolygonRun) {
         if self.runs.last().is_some_and(|last| last.first == run.first) {
             self.runs.pop();
         }
@@ -105,7 +105,7 @@ impl Parts {
         for at in 0..self.runs.len() {
             let run = self.runs[at];
             if !self.polygons_of(at).is_empty() {
-                let note = |names: &mut Names, number: Option<u32>| {
+                let note = |names: &mut PartNames, number: Option<u32>| {
                     number.into_iter().for_each(|number| names.has_faces[number as usize] = true);
                 };
                 note(&mut self.groups, run.group);
@@ -123,14 +123,14 @@ impl Parts {
     /// The runs that are wanted, or `None` for all.
     ///
     /// Errors: no polygon has the names, with those that are there.
-    pub fn select(&self, selection: &Selection) -> Parsed<Option<Vec<usize>>> {
+    pub fn select(&self, selection: &Selection) -> MeshResult<Option<Vec<usize>>> {
         let Selection { group, object, material } = selection;
         if group.is_none() && object.is_none() && material.is_none() {
             return Ok(None);
         }
         let objects = object.as_ref().map(|name| self.objects.wanted(name, is_same_name));
         let materials = material.as_ref().map(|name| self.materials.wanted(name, is_same_name));
-        let rest = |run: &Run| has(&objects, run.object) && has(&materials, run.material);
+        let rest = |run: &PolygonRun| has(&objects, run.object) && has(&materials, run.material);
         let groups = group.as_ref().map(|name| self.groups.wanted_groups(name));
         let mut chosen = self.runs_where(|run| rest(run) && has(&groups, run.group));
         if chosen.is_empty() {
@@ -140,7 +140,7 @@ impl Parts {
         if chosen.is_empty() { Err(self.unknown(selection)) } else { Ok(Some(chosen)) }
     }
 
-    fn runs_where(&self, is_wanted: impl Fn(&Run) -> bool) -> Vec<usize> {
+    fn runs_where(&self, is_wanted: impl Fn(&PolygonRun) -> bool) -> Vec<usize> {
         let has_polygons = |&run: &usize| !self.polygons_of(run).is_empty();
         (0..self.runs.len())
             .filter(has_polygons)
@@ -148,13 +148,13 @@ impl Parts {
             .collect()
     }
 
-    fn unknown(&self, selection: &Selection) -> Fault {
+    fn unknown(&self, selection: &Selection) -> MeshFault {
         let Selection { group, object, material } = selection;
         let asked = [("group", group), ("object", object), ("material", material)];
         let asked = asked.into_iter().filter_map(|(kind, name)| Some((kind, name.as_ref()?)));
         let asked: Vec<String> =
             asked.map(|(kind, name)| format!("{kind} \"{}\"", readable(name))).collect();
-        Fault::file(format!(
+        MeshFault::file(format!(
             "no faces in {} (groups: {}; objects: {}; materials: {})",
             asked.join(" and "),
             self.groups.list(),

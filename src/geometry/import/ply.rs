@@ -5,9 +5,9 @@ use ply_rs_bw::ply::{
     ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult,
 };
 
-use super::parts::Run;
+use super::parts::PolygonRun;
 use super::polygons::{NONE, Polygons};
-use super::{Contents, Fault, Parsed};
+use super::{Contents, MeshFault, MeshResult};
 use crate::geometry::DVec3;
 
 pub(super) fn is_ply(bytes: &[u8]) -> bool {
@@ -15,13 +15,13 @@ pub(super) fn is_ply(bytes: &[u8]) -> bool {
 }
 
 /// What is of use in an element of any kind.
-struct Record {
+struct PlyElement {
     position: DVec3,
     normal: DVec3,
     corners: Vec<i64>,
 }
 
-impl PropertyAccess for Record {
+impl PropertyAccess for PlyElement {
     fn new() -> Self {
         Self { position: DVec3::NAN, normal: DVec3::NAN, corners: Vec::new() }
     }
@@ -73,13 +73,13 @@ fn whole_numbers(property: Property) -> Vec<i64> {
 
 /// The elements of a file, one after the other.
 struct Elements<'a> {
-    parser: Parser<Record>,
+    parser: Parser<PlyElement>,
     encoding: Encoding,
     rest: &'a [u8],
 }
 
 impl Elements<'_> {
-    fn next(&mut self, element: &ElementDef) -> std::result::Result<Record, String> {
+    fn next(&mut self, element: &ElementDef) -> std::result::Result<PlyElement, String> {
         let record = match self.encoding {
             Encoding::Ascii => {
                 let line = self.line()?;
@@ -116,12 +116,12 @@ fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-pub(super) fn parse(bytes: &[u8]) -> Parsed<Contents> {
-    let parser = Parser::<Record>::new();
+pub(super) fn parse(bytes: &[u8]) -> MeshResult<Contents> {
+    let parser = Parser::<PlyElement>::new();
     let mut reader = Reader::new(bytes);
     let header = parser
         .read_header(&mut reader)
-        .map_err(|e| Fault::file(format!("PLY header: {}", one_line(&e.to_string()))))?;
+        .map_err(|e| MeshFault::file(format!("PLY header: {}", one_line(&e.to_string()))))?;
     let mut elements = Elements { parser, encoding: header.encoding, rest: reader.into_inner() };
     let mut polygons = Polygons::default();
     for element in header.elements.values() {
@@ -137,7 +137,7 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed<Contents> {
     if polygons.normals.len() == polygons.positions.len() {
         polygons.corner_normals = polygons.corners.clone();
     }
-    polygons.parts.push(Run::START);
+    polygons.parts.push(PolygonRun::START);
     polygons.finish();
     let format = match header.encoding {
         Encoding::Ascii => "ASCII PLY",
@@ -146,24 +146,26 @@ pub(super) fn parse(bytes: &[u8]) -> Parsed<Contents> {
     Ok(Contents { format, polygons, warnings: Vec::new() })
 }
 
-fn without_faces(header: &Header) -> Fault {
+fn without_faces(header: &Header) -> MeshFault {
     if header.elements.contains_key("tristrips") {
-        return Fault::file("has triangle strips and no faces: save it again, in MeshLab for one");
+        return MeshFault::file(
+            "has triangle strips and no faces: save it again, in MeshLab for one",
+        );
     }
-    Fault::file("no faces: a cloud of points is no surface")
+    MeshFault::file("no faces: a cloud of points is no surface")
 }
 
 fn read_element(
     element: &ElementDef,
     elements: &mut Elements,
     polygons: &mut Polygons,
-) -> Parsed<()> {
+) -> MeshResult<()> {
     // Such elements take no bytes, however many there are said to be.
     if element.properties.is_empty() {
         return Ok(());
     }
     for number in 1..=element.count {
-        let of = |problem: String| Fault::record(number, format!("{} {problem}", element.name));
+        let of = |problem: String| MeshFault::record(number, format!("{} {problem}", element.name));
         let record = elements.next(element).map_err(of)?;
         match element.name.as_str() {
             "vertex" => add_vertex(record, polygons).map_err(of)?,
@@ -174,7 +176,7 @@ fn read_element(
     Ok(())
 }
 
-fn add_vertex(record: Record, polygons: &mut Polygons) -> std::result::Result<(), String> {
+fn add_vertex(record: PlyElement, polygons: &mut Polygons) -> std::result::Result<(), String> {
     if !record.position.is_finite() {
         return Err(format!("is at {}, expected finite x, y and z", record.position));
     }
@@ -202,7 +204,7 @@ fn add_face(corners: &[i64], polygons: &mut Polygons) -> std::result::Result<(),
 }
 
 /// Faces may come before their vertices.
-fn check_corners(polygons: &Polygons) -> Parsed<()> {
+fn check_corners(polygons: &Polygons) -> MeshResult<()> {
     let count = polygons.positions.len();
     let Some(at) = polygons.corners.iter().position(|&corner| corner as usize >= count) else {
         return Ok(());
@@ -210,5 +212,5 @@ fn check_corners(polygons: &Polygons) -> Parsed<()> {
     let face = polygons.ends.partition_point(|&end| end as usize <= at);
     let problem =
         format!("face has corner {}, allowed: 0 to {}", polygons.corners[at], count as i64 - 1);
-    Err(Fault::record(face + 1, problem))
+    Err(MeshFault::record(face + 1, problem))
 }

@@ -1,7 +1,7 @@
 //! From a file's polygons to a mesh.
 
 use super::parts::Parts;
-use super::{Fault, Interpolation, Parsed, Reading};
+use super::{Interpolation, MeshFault, MeshReading, MeshResult};
 use crate::geometry::mesh::Shading;
 use crate::geometry::normals::{Smoothing, creased};
 use crate::geometry::polygon::Triangulator;
@@ -15,7 +15,7 @@ pub(super) const NONE: u32 = u32::MAX;
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Polygons {
     pub positions: Vec<DVec3>,
-    /// Of any length.
+    /// Vectors of any length.
     pub normals: Vec<DVec3>,
     /// Places in `positions`, polygon after polygon.
     pub corners: Vec<u32>,
@@ -58,7 +58,7 @@ impl Polygons {
         let (mut corners, mut corner_normals, mut ends) = (Vec::new(), Vec::new(), Vec::new());
         let mut kept = Vec::new();
         for &run in runs {
-            kept.push(super::Run { first: ends.len() as u32, ..self.parts.runs[run] });
+            kept.push(super::PolygonRun { first: ends.len() as u32, ..self.parts.runs[run] });
             for polygon in self.parts.polygons_of(run) {
                 let range = self.corners_of(polygon as usize);
                 corners.extend(&self.corners[range.clone()]);
@@ -72,14 +72,20 @@ impl Polygons {
     }
 
     /// Scaled, welded, cut, with normals. Errors: no faces.
-    pub fn into_mesh(mut self, reading: &Reading, warnings: &mut Vec<String>) -> Parsed<Mesh> {
+    pub fn into_mesh(
+        mut self,
+        reading: &MeshReading,
+        warnings: &mut Vec<String>,
+    ) -> MeshResult<Mesh> {
         if self.ends.is_empty() {
-            return Err(Fault::file("no faces"));
+            return Err(MeshFault::file("no faces"));
         }
         if reading.unit_mm != 1.0 {
             self.positions.iter_mut().for_each(|p| *p *= reading.unit_mm);
             if let Some(p) = self.positions.iter().find(|p| !p.is_finite()) {
-                return Err(Fault::file(format!("position {p} is not finite once it is scaled")));
+                return Err(MeshFault::file(format!(
+                    "position {p} is not finite once it is scaled"
+                )));
             }
         }
         self.weld(reading.weld_mm);
@@ -88,7 +94,7 @@ impl Polygons {
         let Self { positions, normals, .. } = self;
         let Cut { triangles, normals: corner_normals, smoothing } = cut;
         let mesh = Mesh::flat("mesh", positions, triangles).map_err(|_| {
-            Fault::file("all faces have fewer than 3 corners apart: a unit or weld too large?")
+            MeshFault::file("all faces have fewer than 3 corners apart: a unit or weld too large?")
         })?;
         Ok(match reading.interpolation {
             Interpolation::Flat => mesh,

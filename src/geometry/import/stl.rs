@@ -4,9 +4,9 @@
 //! solid, and takes a binary file whose title begins with "solid " for ASCII (SolidWorks writes it).
 
 use super::obj::{Scanner, line_of};
-use super::parts::Run;
+use super::parts::PolygonRun;
 use super::polygons::Polygons;
-use super::{Contents, Fault, Parsed};
+use super::{Contents, MeshFault, MeshResult};
 use crate::error::Place;
 use crate::geometry::DVec3;
 
@@ -43,11 +43,11 @@ pub(super) fn announced(bytes: &[u8]) -> Option<String> {
     })
 }
 
-pub(super) fn parse_binary(bytes: &[u8]) -> Parsed<Contents> {
+pub(super) fn parse_binary(bytes: &[u8]) -> MeshResult<Contents> {
     let mut polygons = Polygons::default();
     let records = bytes[HEADER..].as_chunks::<RECORD>().0;
     if records.len() > (u32::MAX / 3) as usize {
-        return Err(Fault::file("has more triangles than can be counted"));
+        return Err(MeshFault::file("has more triangles than can be counted"));
     }
     polygons.positions.reserve_exact(3 * records.len());
     for (at, record) in records.iter().enumerate() {
@@ -58,33 +58,33 @@ pub(super) fn parse_binary(bytes: &[u8]) -> Parsed<Contents> {
             let position = DVec3::new(number(0).into(), number(4).into(), number(8).into());
             if !position.is_finite() {
                 let problem = format!("corner is {position}, expected finite numbers");
-                return Err(Fault::record(at + 1, problem));
+                return Err(MeshFault::record(at + 1, problem));
             }
             polygons.positions.push(position);
         }
         polygons.ends.push(3 * (at as u32 + 1));
     }
     polygons.corners = (0..polygons.positions.len() as u32).collect();
-    polygons.parts.push(Run::START);
+    polygons.parts.push(PolygonRun::START);
     polygons.finish();
     Ok(Contents { format: "binary STL", polygons, warnings: Vec::new() })
 }
 
-pub(super) fn parse_ascii(bytes: &[u8]) -> Parsed<Contents> {
+pub(super) fn parse_ascii(bytes: &[u8]) -> MeshResult<Contents> {
     let mut polygons = Polygons::default();
     let mut scanner = Scanner::new(bytes);
     let mut first = 0;
     while !scanner.is_at_end() {
         let start = scanner.at();
         let word = scanner.word().to_ascii_lowercase();
-        let fault = |problem| Fault { place: Place::Line(line_of(bytes, start)), problem };
+        let fault = |problem| MeshFault { place: Place::Line(line_of(bytes, start)), problem };
         match word.as_slice() {
             b"solid" => {
                 let object = Some(polygons.parts.objects.number(scanner.rest_of_line()));
-                polygons.parts.push(Run {
+                polygons.parts.push(PolygonRun {
                     first: polygons.ends.len() as u32,
                     object,
-                    ..Run::START
+                    ..PolygonRun::START
                 });
             }
             b"vertex" => {
@@ -104,7 +104,7 @@ pub(super) fn parse_ascii(bytes: &[u8]) -> Parsed<Contents> {
         scanner.skip_line();
     }
     if first != polygons.corners.len() {
-        return Err(Fault::file("ends inside a facet"));
+        return Err(MeshFault::file("ends inside a facet"));
     }
     polygons.finish();
     Ok(Contents { format: "ASCII STL", polygons, warnings: Vec::new() })

@@ -8,32 +8,32 @@ use crate::geometry::obj::to_text;
 
 const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-fn read_with(bytes: impl AsRef<[u8]>, reading: &Reading) -> Parsed<MeshFile> {
+fn read_with(bytes: impl AsRef<[u8]>, reading: &MeshReading) -> MeshResult<MeshFile> {
     parse(Path::new("lens.obj"), bytes.as_ref().to_vec(), reading)
 }
 
 fn read(bytes: impl AsRef<[u8]>) -> MeshFile {
-    read_with(bytes, &Reading::default()).unwrap()
+    read_with(bytes, &MeshReading::default()).unwrap()
 }
 
 fn fault(bytes: impl AsRef<[u8]>) -> (Place, String) {
-    let fault = read_with(bytes, &Reading::default()).unwrap_err();
+    let fault = read_with(bytes, &MeshReading::default()).unwrap_err();
     (fault.place, fault.problem)
 }
 
-fn group(name: impl AsRef<[u8]>) -> Reading {
+fn group(name: impl AsRef<[u8]>) -> MeshReading {
     let selection = Selection { group: Some(name.as_ref().to_vec()), ..Selection::default() };
-    Reading { selection, ..Reading::default() }
+    MeshReading { selection, ..MeshReading::default() }
 }
 
-fn object(name: &str) -> Reading {
+fn object(name: &str) -> MeshReading {
     let selection = Selection { object: Some(name.into()), ..Selection::default() };
-    Reading { selection, ..Reading::default() }
+    MeshReading { selection, ..MeshReading::default() }
 }
 
-fn material(name: impl AsRef<[u8]>) -> Reading {
+fn material(name: impl AsRef<[u8]>) -> MeshReading {
     let selection = Selection { material: Some(name.as_ref().to_vec()), ..Selection::default() };
-    Reading { selection, ..Reading::default() }
+    MeshReading { selection, ..MeshReading::default() }
 }
 
 /// Largest angle between shading and geometric normal at the triangles' corners, degrees.
@@ -143,7 +143,7 @@ fn parts_are_chosen_by_any_kind_of_name() {
     let text = format!(
         "{QUAD}o lens\ng default\nusemtl clear red\nf 1 2 3\no the housing\nusemtl black\nf 1 3 4\nf 1 2 4\n"
     );
-    let count = |reading: &Reading| read_with(&text, reading).unwrap().mesh.triangles.len();
+    let count = |reading: &MeshReading| read_with(&text, reading).unwrap().mesh.triangles.len();
     assert_eq!(count(&object("lens")), 1);
     assert_eq!(count(&object("the housing")), 2);
     assert_eq!(count(&material("clear red")), 1);
@@ -251,7 +251,7 @@ fn sphere(own_corners: bool) -> String {
 fn facets_with_corners_of_their_own_are_welded() {
     let (own, shared) = (read(sphere(true)).mesh, read(sphere(false)).mesh);
     assert_eq!(own.positions.len(), 11 * 24 + 2);
-    assert_eq!(own.open_edges(), 0);
+    assert_eq!(Closure::of(&own).open_edges, 0);
     assert_eq!(own.triangles.len(), shared.triangles.len());
     for triangle in 0..own.triangles.len() {
         let normal = |mesh: &Mesh| {
@@ -270,9 +270,10 @@ fn facets_with_corners_of_their_own_are_welded() {
 #[test]
 fn near_vertices_are_welded_on_request() {
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1.0004 0 0\nv 1 1 0\nv 0 1.0004 0\nf 1 2 3\nf 4 5 6\n";
-    assert_eq!(read(text).mesh.open_edges(), 6);
-    let welded = read_with(text, &Reading { weld_mm: 1e-3, ..Reading::default() }).unwrap().mesh;
-    assert_eq!((welded.open_edges(), welded.positions.len()), (4, 4));
+    assert_eq!(Closure::of(&read(text).mesh).open_edges, 6);
+    let welded =
+        read_with(text, &MeshReading { weld_mm: 1e-3, ..MeshReading::default() }).unwrap().mesh;
+    assert_eq!((Closure::of(&welded).open_edges, welded.positions.len()), (4, 4));
 }
 
 const CUBE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
@@ -284,9 +285,9 @@ fn a_cube_without_normals_is_flat() {
     assert!(bend_deg(&cube) < NO_BEND);
     assert!((cube.volume_mm3() - 1.0).abs() < 1e-12 && (cube.area_mm2() - 6.0).abs() < 1e-12);
     let smooth =
-        read_with(CUBE, &Reading { crease_deg: 180.0, ..Reading::default() }).unwrap().mesh;
+        read_with(CUBE, &MeshReading { crease_deg: 180.0, ..MeshReading::default() }).unwrap().mesh;
     assert!((bend_deg(&smooth) - 54.7).abs() < 0.1);
-    let flat = Reading { interpolation: Interpolation::Flat, ..Reading::default() };
+    let flat = MeshReading { interpolation: Interpolation::Flat, ..MeshReading::default() };
     assert_eq!(read_with(CUBE, &flat).unwrap().mesh.shading, Shading::Flat);
 }
 
@@ -310,9 +311,9 @@ fn smoothing_groups_are_honored() {
 
 #[test]
 fn units_and_scales_are_lengths_in_mm() {
-    let inches = Reading { unit_mm: 25.4, ..Reading::default() };
+    let inches = MeshReading { unit_mm: 25.4, ..MeshReading::default() };
     assert_eq!(read_with(CUBE, &inches).unwrap().mesh.bounds()[1], DVec3::splat(25.4));
-    let huge = Reading { unit_mm: 1e308, ..Reading::default() };
+    let huge = MeshReading { unit_mm: 1e308, ..MeshReading::default() };
     let text = QUAD.replace('1', "10") + "f 1 2 3\n";
     assert!(read_with(text, &huge).unwrap_err().problem.contains("not finite once it is scaled"));
 }
@@ -451,7 +452,7 @@ fn ascii_stl(names: [&str; 2]) -> String {
 
 fn is_cube(mesh: &Mesh) -> bool {
     mesh.positions.len() == 8
-        && mesh.open_edges() == 0
+        && Closure::of(mesh).is_closed()
         && (mesh.volume_mm3() - 1.0).abs() < 1e-12
         && bend_deg(mesh) < NO_BEND
 }

@@ -38,7 +38,7 @@ impl SampleGroup {
 #[derive(Debug, Clone)]
 pub(crate) struct Block {
     pub center: DVec3,
-    /// Of a sphere about `center` that holds the samples.
+    /// Radius of a sphere about `center` that holds the samples.
     pub radius: f64,
     /// Into the tree's groups.
     pub groups: Range<u32>,
@@ -106,7 +106,7 @@ struct LocalSide {
     /// The normal's components along t and m.
     normal: [f32; 2],
     inverse_square: bool,
-    /// Of the samples' own lobes.
+    /// Exponent of the samples' own lobes.
     exponent: f32,
 }
 
@@ -155,7 +155,7 @@ impl Scratch {
         }
     }
 
-    /// Of the last block evaluated.
+    /// Contributions of the last block evaluated.
     pub fn contributions(&self, count: usize) -> impl Iterator<Item = f32> + '_ {
         self.emitted.iter().zip(&self.scattered).take(count).map(|(e, s)| e * s)
     }
@@ -167,7 +167,7 @@ pub(crate) struct BlockQuery<'a> {
     pub side: Side,
     pub lobes: &'a LobeSet,
     pub inverse_square: bool,
-    /// Of the samples' own lobes; 1 for Lambert's.
+    /// Exponent of the samples' own lobes; 1 for Lambert's.
     pub exponent: f64,
 }
 

@@ -15,7 +15,7 @@ use super::blocks::{Blocks, Summing};
 use crate::light::sum::block::{BlockQuery, Scratch};
 use crate::light::{RaySample, Visibility};
 
-/// Of angles from f64 cosines near 1.
+/// Rounding of angles from f64 cosines near 1.
 const ANGLE_ROUNDING_RAD: f64 = 1e-7;
 
 /// Sums under this fraction of what the set could send straight at the hit (from its radius, if the

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 use super::eight::{Eight, Vectors};
 use super::moments::{Channels, EMISSION, GRADIENT};
-use super::octahedron::Grid;
+use super::octahedron::OctahedronGrid;
 use crate::light::sum::block::{LANES, SampleGroup};
 
 /// Directions compared.
@@ -22,7 +22,7 @@ const SAFETY: f64 = 1.5;
 /// How far a table's middle may lie from the samples' emission: both bound it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TableError {
-    /// Of half the bounds' distance, at most 1.
+    /// Part of half the bounds' distance, at most 1.
     pub share: f64,
     /// In the unit of the samples' flux.
     pub largest: f64,
@@ -33,7 +33,7 @@ impl TableError {
         groups: &[&[SampleGroup]],
         flux: f64,
         table: &[Channels],
-        grid: Grid,
+        grid: OctahedronGrid,
     ) -> TableError {
         let (mut share, mut largest) = (0.0f64, 0.0f64);
         for first in (0..DIRECTIONS).step_by(8) {
@@ -78,7 +78,11 @@ fn emission(groups: &[&[SampleGroup]], x: [f32; 3]) -> f64 {
 }
 
 /// (tangents, interpolated) of one node in eight directions.
-fn emission_bounds(directions: &[[f32; 3]; 8], table: &[Channels], grid: Grid) -> [(f64, f64); 8] {
+fn emission_bounds(
+    directions: &[[f32; 3]; 8],
+    table: &[Channels],
+    grid: OctahedronGrid,
+) -> [(f64, f64); 8] {
     let l1 = directions.map(|d| d[0].abs() + d[1].abs() + d[2].abs());
     let at: Vectors =
         [0, 1, 2].map(|axis| Eight(std::array::from_fn(|i| directions[i][axis] / l1[i])));

@@ -9,7 +9,7 @@ use super::blocks::Blocks;
 use super::eight::{Eight, Vectors};
 use super::interpolation::TableError;
 use super::moments::Channels;
-use super::octahedron::Grid;
+use super::octahedron::OctahedronGrid;
 use super::table::{CellSamples, RawTable};
 use crate::light::RaySample;
 use crate::light::sum::block::Block;
@@ -24,16 +24,16 @@ const MOST_NODES: usize = 4096;
 /// other vertex of a row and every other row.
 const MOST_FINE_NODES: usize = 512;
 
-const FINE: Grid = Grid { cells: 24 };
+const FINE: OctahedronGrid = OctahedronGrid { cells: 24 };
 
 /// Eight siblings. A lane without a node has flux 0.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Octet {
     /// Relative to the tree's center.
     pub center: Vectors,
-    /// Of spheres about the centers that hold the samples.
+    /// Radii of spheres about the centers that hold the samples.
     pub radius: Eight,
-    /// Of boxes about the centers that hold the samples.
+    /// Half sizes of boxes about the centers that hold the samples.
     pub half_size: Vectors,
     pub flux: Eight,
     /// See [`TableError`].
@@ -45,7 +45,7 @@ pub(super) struct Octet {
 #[derive(Debug, Clone)]
 pub(super) struct Level {
     pub octets: Vec<Octet>,
-    pub grid: Grid,
+    pub grid: OctahedronGrid,
     /// [node][vertex].
     tables: Vec<Channels>,
     /// Consecutive blocks that a node holds.
@@ -62,7 +62,7 @@ impl Level {
         }
     }
 
-    /// Of an octet's nodes, one after the other.
+    /// Tables of an octet's nodes, one after the other.
     pub fn tables(&self, octet: usize) -> &[Channels] {
         let stride = self.grid.vertices() * 8;
         &self.tables[octet * stride..self.tables.len().min((octet + 1) * stride)]
@@ -74,7 +74,7 @@ impl Level {
 pub(super) struct Levels {
     pub levels: Vec<Level>,
     pub center: DVec3,
-    /// Of a sphere about `center` that holds the samples.
+    /// Radius of a sphere about `center` that holds the samples.
     pub radius: f64,
     /// Σ flux.
     pub flux: f64,
@@ -96,7 +96,7 @@ impl Levels {
             let size = LevelSize { nodes: 1 << bits, blocks_per_node: blocks.blocks.len() >> bits };
             let built = BuiltOctet::all(blocks, size, cells.as_deref());
             levels.push(Level::new(&built, size, center));
-            cells = Some(built.into_iter().map(|octet| octet.parent).collect::<Vec<Cell>>());
+            cells = Some(built.into_iter().map(|octet| octet.parent).collect::<Vec<NodeTable>>());
         }
         levels.reverse();
         let flux =
@@ -119,9 +119,9 @@ struct LevelSize {
 }
 
 impl LevelSize {
-    /// Of the tables that stay; all are built on [`FINE`].
-    fn grid(self) -> Grid {
-        if self.nodes <= MOST_FINE_NODES { FINE } else { Grid { cells: FINE.cells / 2 } }
+    /// Grid of the tables that stay; all are built on [`FINE`].
+    fn grid(self) -> OctahedronGrid {
+        if self.nodes <= MOST_FINE_NODES { FINE } else { OctahedronGrid { cells: FINE.cells / 2 } }
     }
 
     fn blocks_of(self, blocks: &Blocks, nodes: Range<usize>) -> &[Block] {
@@ -130,48 +130,50 @@ impl LevelSize {
 }
 
 /// A node while the tables above it are built.
-struct Cell {
-    place: Place,
+struct NodeTable {
+    place: SampleExtent,
     raw: RawTable,
 }
 
-impl Cell {
-    fn from_samples(blocks: &Blocks, own: &[Block]) -> Cell {
-        let place = Place::of(blocks, own);
+impl NodeTable {
+    fn from_samples(blocks: &Blocks, own: &[Block]) -> NodeTable {
+        let place = SampleExtent::of(blocks, own);
         let shifted = |block: &Block| {
             (blocks.groups_of(block), (block.center - place.center).as_vec3().into())
         };
         let samples = CellSamples { blocks: own.iter().map(shifted).collect() };
-        Cell { raw: RawTable::from_samples(&samples, FINE), place }
+        NodeTable { raw: RawTable::from_samples(&samples, FINE), place }
     }
 
-    fn from_children(blocks: &Blocks, own: &[Block], children: &[Cell]) -> Cell {
-        let place = Place::of(blocks, own);
-        let shift = |child: &Cell| (child.place.center - place.center).into();
+    fn from_children(blocks: &Blocks, own: &[Block], children: &[NodeTable]) -> NodeTable {
+        let place = SampleExtent::of(blocks, own);
+        let shift = |child: &NodeTable| (child.place.center - place.center).into();
         let shifted = children.iter().map(|child| (&child.raw, shift(child)));
-        Cell { raw: RawTable::from_children(shifted), place }
+        NodeTable { raw: RawTable::from_children(shifted), place }
     }
 }
 
 /// Eight siblings, and what the level above needs of them.
 struct BuiltOctet {
-    places: Vec<Place>,
+    places: Vec<SampleExtent>,
     errors: Vec<TableError>,
     tables: Vec<Channels>,
-    parent: Cell,
+    parent: NodeTable,
 }
 
 impl BuiltOctet {
     /// A level, from `cells` if those below made them.
-    fn all(blocks: &Blocks, size: LevelSize, cells: Option<&[Cell]>) -> Vec<BuiltOctet> {
+    fn all(blocks: &Blocks, size: LevelSize, cells: Option<&[NodeTable]>) -> Vec<BuiltOctet> {
         let build = |octet: usize| {
             let nodes = octet * 8..size.nodes.min(octet * 8 + 8);
             match cells {
                 Some(cells) => BuiltOctet::new(blocks, size, nodes.clone(), &cells[nodes]),
                 None => {
                     let own = |node| size.blocks_of(blocks, node..node + 1);
-                    let cells: Vec<Cell> =
-                        nodes.clone().map(|node| Cell::from_samples(blocks, own(node))).collect();
+                    let cells: Vec<NodeTable> = nodes
+                        .clone()
+                        .map(|node| NodeTable::from_samples(blocks, own(node)))
+                        .collect();
                     BuiltOctet::new(blocks, size, nodes, &cells)
                 }
             }
@@ -179,11 +181,16 @@ impl BuiltOctet {
         (0..size.nodes.div_ceil(8)).into_par_iter().map(build).collect()
     }
 
-    fn new(blocks: &Blocks, size: LevelSize, nodes: Range<usize>, cells: &[Cell]) -> BuiltOctet {
+    fn new(
+        blocks: &Blocks,
+        size: LevelSize,
+        nodes: Range<usize>,
+        cells: &[NodeTable],
+    ) -> BuiltOctet {
         let grid = size.grid();
         let tables: Vec<Channels> =
             cells.iter().flat_map(|cell| cell.raw.finish(FINE, grid)).collect();
-        let error = |((node, cell), table): ((usize, &Cell), &[Channels])| {
+        let error = |((node, cell), table): ((usize, &NodeTable), &[Channels])| {
             let own = size.blocks_of(blocks, node..node + 1).iter();
             let groups: Vec<_> = own.map(|block| blocks.groups_of(block)).collect();
             TableError::measure(&groups, cell.place.flux, table, grid)
@@ -193,7 +200,7 @@ impl BuiltOctet {
             places: cells.iter().map(|cell| cell.place).collect(),
             errors: with_tables.map(error).collect(),
             tables,
-            parent: Cell::from_children(blocks, size.blocks_of(blocks, nodes), cells),
+            parent: NodeTable::from_children(blocks, size.blocks_of(blocks, nodes), cells),
         }
     }
 
@@ -201,14 +208,16 @@ impl BuiltOctet {
         // Empty lanes lie where the first node is, whose table they read.
         let places = &self.places;
         let place = |lane: usize| places.get(lane).unwrap_or(&places[0]);
-        let lanes = |f: &dyn Fn(&Place) -> f64| Eight(std::array::from_fn(|i| f(place(i)) as f32));
+        let lanes =
+            |f: &dyn Fn(&SampleExtent) -> f64| Eight(std::array::from_fn(|i| f(place(i)) as f32));
         let errors = |f: &dyn Fn(&TableError) -> f64| {
             Eight(std::array::from_fn(|i| self.errors.get(i).map_or(1.0, f) as f32))
         };
         let axes = [DVec3::X, DVec3::Y, DVec3::Z];
         // f32 rounds center and offsets: let sphere and box hold the rounded ones.
-        let grown =
-            |size: f64, p: &Place| size * (1.0 + 1e-5) + 1e-7 * p.center.distance(tree_center);
+        let grown = |size: f64, p: &SampleExtent| {
+            size * (1.0 + 1e-5) + 1e-7 * p.center.distance(tree_center)
+        };
         Octet {
             center: axes.map(|axis| lanes(&|p| (p.center - tree_center).dot(axis))),
             radius: lanes(&|p| grown(p.radius, p)),
@@ -221,21 +230,21 @@ impl BuiltOctet {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct SampleExtent {
     center: DVec3,
     half_size: DVec3,
     radius: f64,
     flux: f64,
 }
 
-impl Place {
-    fn of(blocks: &Blocks, own: &[Block]) -> Place {
+impl SampleExtent {
+    fn of(blocks: &Blocks, own: &[Block]) -> SampleExtent {
         let samples = || own.iter().flat_map(|block| blocks.samples_of(block));
         let positions = || samples().map(RaySample::origin);
         let center = super::blocks::box_center(positions());
         let radius = positions().map(|p| p.distance(center)).fold(0.0, f64::max);
         let flux = samples().map(|sample| f64::from(sample.flux)).sum();
         let half_size = positions().map(|p| (p - center).abs()).fold(DVec3::ZERO, DVec3::max);
-        Place { center, half_size, radius, flux }
+        SampleExtent { center, half_size, radius, flux }
     }
 }

@@ -28,14 +28,14 @@ const NEGLIGIBLE: f32 = 4.3e-18;
 /// Nearer to a lobe's horizon (its cosine) its largest value bounds it: f32 holds no tangent there.
 const HORIZON: f32 = 1e-3;
 
-/// Of cos² from directions in f32.
+/// Rounding of cos² from directions in f32.
 const COSINE2_ROUNDING: f32 = 1e-6;
 
 /// Sums over lobes.
 pub(super) struct LobeSums {
     /// With the second order.
     pub value: Eight,
-    /// Of `value`.
+    /// Error of `value`.
     pub error: Eight,
     /// Without any order above 0.
     pub at_mean: Eight,
@@ -159,7 +159,7 @@ fn lower_derivatives(tan2: Eight, n: f32) -> (Eight, Eight, Eight) {
     (tan * n, (tan2 * (n - 1.0) + 1.0) * n, within.larger(at_end))
 }
 
-/// Of G relative to cosⁿ, for the norm of the third moment.
+/// Bound of G relative to cosⁿ, for the norm of the third moment.
 #[inline(always)]
 fn third_order(cloud: &Cloud, tan2: Eight, n: f32, k: f32) -> Eight {
     let (first, second, third) = lower_derivatives(tan2, n);

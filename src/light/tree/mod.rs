@@ -41,7 +41,7 @@ pub struct LightTree {
     exponent: f64,
     world_from_local: DAffine3,
     local_from_world: DAffine3,
-    /// Of the placement.
+    /// Scale of the placement.
     scale: f64,
     /// Φ_i of a sample whose flux is 1.
     lm_per_flux: f64,

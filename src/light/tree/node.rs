@@ -22,7 +22,7 @@ use super::lobe::{INWARD, LobeSums, sum_lobes};
 use super::moments::{
     CHANNELS, Channels, EMISSION, GRADIENT, MEAN, PAIRS, PARALLAX, PARALLAX2, SKEWNESS, SPREAD,
 };
-use super::octahedron::Grid;
+use super::octahedron::OctahedronGrid;
 use crate::light::sum::power::Power;
 use crate::simd::widest;
 
@@ -56,15 +56,23 @@ pub(super) struct NodeSums {
 /// Radius over distance from which a node is too near for its table.
 const NEAREST: f32 = 0.3;
 
-/// Of directions in f32, rad.
+/// Rounding of directions in f32, rad.
 const ROUNDING: f32 = 4e-7;
 
-pub(super) fn eval_octet(octet: &Octet, table: (Grid, &[Channels]), query: &NodeQuery) -> NodeSums {
-    widest!(kernel(octet: &Octet, table: (Grid, &[Channels]), query: &NodeQuery) -> NodeSums)
+pub(super) fn eval_octet(
+    octet: &Octet,
+    table: (OctahedronGrid, &[Channels]),
+    query: &NodeQuery,
+) -> NodeSums {
+    widest!(kernel(octet: &Octet, table: (OctahedronGrid, &[Channels]), query: &NodeQuery) -> NodeSums)
 }
 
 #[inline(always)]
-fn kernel(octet: &Octet, (grid, table): (Grid, &[Channels]), query: &NodeQuery) -> NodeSums {
+fn kernel(
+    octet: &Octet,
+    (grid, table): (OctahedronGrid, &[Channels]),
+    query: &NodeQuery,
+) -> NodeSums {
     let to_center: Vectors = vectors(|axis| octet.center[axis] + -query.point[axis]);
     let inverse_distance = dot(&to_center, &to_center).inverse_sqrt();
     let outward = scaled(&to_center, -inverse_distance);
@@ -113,7 +121,7 @@ fn near_bound(octet: &Octet, inverse_distance: Eight, query: &NodeQuery) -> Eigh
 struct Emission {
     /// Between the two bounds of E.
     middle: Eight,
-    /// Of `middle`, see [`super::interpolation::TableError`].
+    /// Error of `middle`, see [`super::interpolation::TableError`].
     uncertainty: Eight,
     /// Interpolated E, consistent with the moments.
     total: Eight,
@@ -127,7 +135,11 @@ struct Emission {
 
 impl Emission {
     #[inline(always)]
-    fn look_up(outward: &Vectors, octet: &Octet, (grid, table): (Grid, &[Channels])) -> Emission {
+    fn look_up(
+        outward: &Vectors,
+        octet: &Octet,
+        (grid, table): (OctahedronGrid, &[Channels]),
+    ) -> Emission {
         let l1 = (outward[0].abs() + outward[1].abs() + outward[2].abs()).at_least(1e-30);
         let inverse = l1.recip();
         let on_octahedron = scaled(outward, inverse);
@@ -156,7 +168,7 @@ impl Emission {
 
 /// Every lane from its own node's table.
 #[inline(always)]
-fn interpolate(at: &Vectors, grid: Grid, tables: &[Channels]) -> [Eight; CHANNELS] {
+fn interpolate(at: &Vectors, grid: OctahedronGrid, tables: &[Channels]) -> [Eight; CHANNELS] {
     let triangles = grid.triangles(at);
     let nodes = tables.len() / grid.vertices();
     let mut halves = [[Eight::ZERO; 8]; 2];
@@ -264,7 +276,7 @@ fn falloff(cloud: &Cloud, inverse_distance: Eight, inverse_square: bool) -> Eigh
 fn total_error(
     emission: &Emission,
     lobes: &LobeSums,
-    (octet, inverse_distance, grid): (&Octet, Eight, Grid),
+    (octet, inverse_distance, grid): (&Octet, Eight, OctahedronGrid),
 ) -> Eight {
     // Σ Φ τ²/R², and the root mean square of τ/R times the flux.
     let parallax2 = emission.parallax2.at_least(0.0) * inverse_distance * inverse_distance;

@@ -7,12 +7,12 @@ use super::eight::{Eight, Vectors};
 /// The faces are flat, and every triangle lies in one: on it a function that is convex and of
 /// degree 1 in the direction is bounded from above by interpolation, and from below by tangents.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Grid {
+pub(super) struct OctahedronGrid {
     /// Cells along an edge of the map, even.
     pub cells: usize,
 }
 
-impl Grid {
+impl OctahedronGrid {
     pub fn vertices(self) -> usize {
         (self.cells + 1) * (self.cells + 1)
     }
@@ -66,7 +66,7 @@ fn cells(at: Eight, cells: usize) -> (Eight, Eight) {
     (index, at - index)
 }
 
-/// Of eight points: vertex indices (whole numbers) and their weights, which sum to 1.
+/// For eight points: vertex indices (whole numbers) and their weights, which sum to 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Triangles {
     pub corners: [Eight; 3],
@@ -84,7 +84,7 @@ mod tests {
         fn interpolated_vertices_give_the_point_back(
             x in -1.0f32..1.0, y in -1.0f32..1.0, z in -1.0f32..1.0, half_cells in 1usize..20,
         ) {
-            let grid = Grid { cells: 2 * half_cells };
+            let grid = OctahedronGrid { cells: 2 * half_cells };
             let l1 = x.abs() + y.abs() + z.abs();
             prop_assume!(l1 > 1e-3);
             let point = Vec3::new(x, y, z) / l1;

@@ -4,7 +4,7 @@ use super::moments::{
     Channels, EMISSION, GRADIENT, LIT, MEAN, MOMENTS, Moments, PAIRS, PARALLAX, PARALLAX2, SKEW,
     SPREAD, TRIPLES, WIDE,
 };
-use super::octahedron::Grid;
+use super::octahedron::OctahedronGrid;
 use crate::light::sum::block::{BLOCK_CAPACITY, LANES, SampleGroup};
 use crate::simd::widest;
 
@@ -18,7 +18,7 @@ pub(super) struct CellSamples<'a> {
 pub(super) struct RawTable(Vec<[f32; MOMENTS]>);
 
 impl RawTable {
-    pub fn from_samples(cell: &CellSamples, grid: Grid) -> RawTable {
+    pub fn from_samples(cell: &CellSamples, grid: OctahedronGrid) -> RawTable {
         let mut sums = vec![[0.0f64; MOMENTS]; grid.vertices()];
         let vertices: Vec<[f32; 3]> = (0..grid.vertices()).map(|i| grid.vertex(i)).collect();
         for (groups, shift) in &cell.blocks {
@@ -27,7 +27,7 @@ impl RawTable {
         RawTable(sums.iter().map(|sums| sums.map(|sum| sum as f32)).collect())
     }
 
-    /// Of a cell that holds others, each with its place less the cell's.
+    /// Table of a cell that holds others, each with its place less the cell's.
     pub fn from_children<'a>(children: impl Iterator<Item = (&'a RawTable, [f64; 3])>) -> RawTable {
         let mut sums = Vec::new();
         for (child, shift) in children {
@@ -40,7 +40,11 @@ impl RawTable {
     }
 
     /// On every k-th row and column of its grid, as many as `kept` has.
-    pub fn finish(&self, grid: Grid, kept: Grid) -> impl Iterator<Item = Channels> {
+    pub fn finish(
+        &self,
+        grid: OctahedronGrid,
+        kept: OctahedronGrid,
+    ) -> impl Iterator<Item = Channels> {
         let step = grid.cells / kept.cells;
         let vertices = (0..kept.vertices()).map(move |i| {
             let (row, column) = (i / (kept.cells + 1), i % (kept.cells + 1));
@@ -50,33 +54,33 @@ impl RawTable {
     }
 }
 
-type Lanes = [f32; LANES];
+type RowLanes = [f32; LANES];
 
 /// Aligned, so that no load crosses a cache line.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
-struct Row(Lanes);
+struct CurveRow(RowLanes);
 
 /// What a block's samples bring into every direction: for each moment, the factor that stands
 /// beside w or ΦH. One array a moment, so that every sum is a plain dot product.
 struct Terms {
-    flux: [Vec<Row>; 3],
+    flux: [Vec<CurveRow>; 3],
     /// Without `EMISSION`, whose factor is 1.
-    factors: Vec<Vec<Row>>,
+    factors: Vec<Vec<CurveRow>>,
 }
 
 impl Terms {
     fn new(groups: &[SampleGroup], shift: [f32; 3]) -> Terms {
-        let offsets: Vec<[Lanes; 3]> = groups.iter().map(|group| moved(group, shift)).collect();
-        let flux = [0, 1, 2].map(|axis| groups.iter().map(|g| Row(g.flux[axis])).collect());
-        let product = |places: &[usize]| -> Vec<Row> {
-            let at = |d: &[Lanes; 3], i: usize| places.iter().map(|axis| d[*axis][i]).product();
-            offsets.iter().map(|d| Row(std::array::from_fn(|i| at(d, i)))).collect()
+        let offsets: Vec<[RowLanes; 3]> = groups.iter().map(|group| moved(group, shift)).collect();
+        let flux = [0, 1, 2].map(|axis| groups.iter().map(|g| CurveRow(g.flux[axis])).collect());
+        let product = |places: &[usize]| -> Vec<CurveRow> {
+            let at = |d: &[RowLanes; 3], i: usize| places.iter().map(|axis| d[*axis][i]).product();
+            offsets.iter().map(|d| CurveRow(std::array::from_fn(|i| at(d, i)))).collect()
         };
         let mut factors = vec![Vec::new(); MOMENTS];
         for axis in 0..3 {
             factors[MEAN + axis] = product(&[axis]);
-            factors[GRADIENT + axis] = groups.iter().map(|g| Row(g.flux[axis])).collect();
+            factors[GRADIENT + axis] = groups.iter().map(|g| CurveRow(g.flux[axis])).collect();
         }
         for (i, (a, b)) in PAIRS.into_iter().enumerate() {
             factors[SPREAD + i] = product(&[a, b]);
@@ -86,21 +90,21 @@ impl Terms {
         }
         let lit = groups.iter().zip(&offsets).map(|(group, d)| lit_factors(group, d));
         for [parallax, squared, flux] in lit {
-            factors[PARALLAX].push(Row(parallax));
-            factors[PARALLAX2].push(Row(squared));
-            factors[LIT].push(Row(flux));
+            factors[PARALLAX].push(CurveRow(parallax));
+            factors[PARALLAX2].push(CurveRow(squared));
+            factors[LIT].push(CurveRow(flux));
         }
         Terms { flux, factors }
     }
 }
 
 /// Places relative to the cell's center.
-fn moved(group: &SampleGroup, shift: [f32; 3]) -> [Lanes; 3] {
+fn moved(group: &SampleGroup, shift: [f32; 3]) -> [RowLanes; 3] {
     std::array::from_fn(|axis| group.offset[axis].map(|v| v + shift[axis]))
 }
 
 /// Φ τ, Φ τ², Φ.
-fn lit_factors(group: &SampleGroup, offset: &[Lanes; 3]) -> [Lanes; 3] {
+fn lit_factors(group: &SampleGroup, offset: &[RowLanes; 3]) -> [RowLanes; 3] {
     let mut factors = [[0.0; LANES]; 3];
     for i in 0..LANES {
         let q: [f32; 3] = std::array::from_fn(|axis| group.flux[axis][i]);
@@ -125,10 +129,10 @@ fn kernel(terms: &Terms, vertices: &[[f32; 3]], sums: &mut [[f64; MOMENTS]]) {
     let count = terms.flux[0].len().min(GROUPS);
     let [qx, qy, qz] = &terms.flux;
     let (qx, qy, qz) = (&qx[..count], &qy[..count], &qz[..count]);
-    let mut weight = [Row([0.0; LANES]); GROUPS];
+    let mut weight = [CurveRow([0.0; LANES]); GROUPS];
     let flux = &terms.factors[LIT][..count];
-    let mut wide = [Row([0.0; LANES]); GROUPS];
-    let mut lit = [Row([0.0; LANES]); GROUPS];
+    let mut wide = [CurveRow([0.0; LANES]); GROUPS];
+    let mut lit = [CurveRow([0.0; LANES]); GROUPS];
     for (x, sums) in vertices.iter().zip(sums) {
         let mut emission = [0.0f32; LANES];
         let turned_away = -WIDE * (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]).sqrt();
@@ -152,13 +156,13 @@ fn kernel(terms: &Terms, vertices: &[[f32; 3]], sums: &mut [[f64; MOMENTS]]) {
 
 /// The first `COUNT` moments' dot products, together so that the weights are read once.
 #[inline(always)]
-fn add_dots<const COUNT: usize>(weights: &[Row], factors: &[Vec<Row>], sums: &mut [f64]) {
+fn add_dots<const COUNT: usize>(weights: &[CurveRow], factors: &[Vec<CurveRow>], sums: &mut [f64]) {
     let mut lanes = [[0.0f32; LANES]; COUNT];
     let mut rows = [&weights[..0]; COUNT];
     for (row, factors) in rows.iter_mut().zip(factors) {
         *row = &factors[..weights.len()];
     }
-    for (g, Row(w)) in weights.iter().enumerate() {
+    for (g, CurveRow(w)) in weights.iter().enumerate() {
         for (sums, row) in lanes.iter_mut().zip(&rows) {
             for i in 0..LANES {
                 sums[i] += w[i] * row[g].0[i];
@@ -172,7 +176,7 @@ fn add_dots<const COUNT: usize>(weights: &[Row], factors: &[Vec<Row>], sums: &mu
 
 /// Pairwise, so that it takes four steps.
 #[inline(always)]
-fn fold(lanes: &Lanes) -> f32 {
+fn fold(lanes: &RowLanes) -> f32 {
     let mut sums = *lanes;
     for half in [8, 4, 2, 1] {
         for i in 0..half {

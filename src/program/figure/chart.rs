@@ -5,7 +5,7 @@ use plotters::prelude::DrawingBackend;
 use super::brush::{Anchor, Brush, MEDIUM, Point, SMALL, width_of};
 use super::raster::Rect;
 use super::ticks::{Tick, ticks};
-use super::{Axis, COLORS, Chart, Marks, Scale, Series};
+use super::{COLORS, Chart, ChartAxis, Marks, Scale, Series};
 use crate::error::{Error, Result};
 
 const BLACK: [u8; 3] = [0; 3];
@@ -39,7 +39,7 @@ fn scaled(scale: Scale, value: f64) -> Option<f64> {
 }
 
 /// The axis's own range, or that of `values` with a little room, after the scale.
-fn range_of(axis: &Axis, values: impl Iterator<Item = f64>) -> Result<[f64; 2]> {
+fn range_of(axis: &ChartAxis, values: impl Iterator<Item = f64>) -> Result<[f64; 2]> {
     let shown = values.filter_map(|value| scaled(axis.scale, value));
     let given = axis.range.map(|range| range.map(|value| scaled(axis.scale, value)));
     match given {
@@ -76,8 +76,11 @@ pub fn draw_chart<DB: DrawingBackend>(brush: &Brush<DB>, chart: &Chart, rect: Re
     let x = Ruler { scale: chart.x.scale, range: x_range, pixels: [plot.x, plot.right()] };
     let y = Ruler { scale: chart.y.scale, range: y_range, pixels: [plot.bottom(), plot.y] };
     let count = (plot.width / 70.0) as usize;
-    draw_x_axis(brush, &x, &ticks(x.scale, unscaled(x.scale, x_range), count), plot)?;
-    draw_y_axis(brush, &y, &y_ticks, plot)?;
+    let x_ticks = ticks(x.scale, unscaled(x.scale, x_range), count);
+    let upright = |x| ([[x, plot.y], [x, plot.bottom()]], [x, plot.bottom() + 8.0]);
+    draw_axis(brush, &x, &x_ticks, upright, Anchor::Below)?;
+    let level = |y| ([[plot.x, y], [plot.right(), y]], [plot.x - 8.0, y]);
+    draw_axis(brush, &y, &y_ticks, level, Anchor::LeftOf)?;
     let mut colors = COLORS.into_iter().cycle();
     let mut legend = Vec::new();
     for series in &chart.series {
@@ -101,30 +104,20 @@ fn unscaled(scale: Scale, range: [f64; 2]) -> [f64; 2] {
     }
 }
 
-fn draw_x_axis<DB: DrawingBackend>(
+/// Grid lines at the marks, with their labels; `line_and_label` says where those of a place along
+/// the ruler are.
+fn draw_axis<DB: DrawingBackend>(
     brush: &Brush<DB>,
     ruler: &Ruler,
     marks: &[Tick],
-    plot: Rect,
+    line_and_label: impl Fn(f64) -> ([Point; 2], Point),
+    anchor: Anchor,
 ) -> Result<()> {
     for tick in marks {
-        let Some(x) = ruler.place(tick.value) else { continue };
-        brush.polyline(&[[x, plot.y], [x, plot.bottom()]], GRID, 1)?;
-        brush.words(&tick.label, [x, plot.bottom() + 8.0], Anchor::Below, SMALL)?;
-    }
-    Ok(())
-}
-
-fn draw_y_axis<DB: DrawingBackend>(
-    brush: &Brush<DB>,
-    ruler: &Ruler,
-    marks: &[Tick],
-    plot: Rect,
-) -> Result<()> {
-    for tick in marks {
-        let Some(y) = ruler.place(tick.value) else { continue };
-        brush.polyline(&[[plot.x, y], [plot.right(), y]], GRID, 1)?;
-        brush.words(&tick.label, [plot.x - 8.0, y], Anchor::LeftOf, SMALL)?;
+        let Some(place) = ruler.place(tick.value) else { continue };
+        let (line, label) = line_and_label(place);
+        brush.polyline(&line, GRID, 1)?;
+        brush.words(&tick.label, label, anchor, SMALL)?;
     }
     Ok(())
 }

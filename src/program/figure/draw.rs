@@ -97,7 +97,7 @@ fn draw<DB: DrawingBackend>(figure: &Figure, backend: DB) -> Result<Vec<PlacedRa
 mod tests {
     use super::*;
     use crate::program::figure::{
-        Axis, Chart, Marks, RasterPanel, Scale, ScaleBar, SegmentsPanel, Series,
+        Chart, ChartAxis, Marks, RasterPanel, Scale, ScaleBar, SegmentDrawing, Series,
     };
 
     fn chart() -> Chart {
@@ -108,8 +108,8 @@ mod tests {
         dashed.marks = Marks::Dashes;
         Chart {
             title: "BRDF of aluminium".to_owned(),
-            x: Axis::linear("angle from specular (°)"),
-            y: Axis::log("BRDF (sr⁻¹)"),
+            x: ChartAxis::linear("angle from specular (°)"),
+            y: ChartAxis::log("BRDF (sr⁻¹)"),
             series: vec![Series::line("fit", curve.collect()), points, dashed],
         }
     }
@@ -132,7 +132,7 @@ mod tests {
             let t = f64::from(i) / 10.0;
             [t.cos(), t.sin(), 0.1 * t]
         };
-        let segments = SegmentsPanel {
+        let segments = SegmentDrawing {
             title: "rays".to_owned(),
             segments: (0..99).map(|i| [spiral(i), spiral(i + 1)]).collect(),
             marks: super::super::SegmentMarks::LinesAndDots,

@@ -107,12 +107,6 @@ fn share(luminance: f64, [low, high]: [f64; 2], scale: Scale) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::Xyz;
-
-    fn image(luminances: &[f64]) -> XyzImage {
-        let pixels = luminances.iter().map(|&y| Xyz::new(y, y, y)).collect();
-        XyzImage { width: luminances.len(), height: 1, pixels }
-    }
 
     #[test]
     fn lightness_rises_evenly() {
@@ -130,14 +124,15 @@ mod tests {
     #[test]
     fn log_and_linear_by_hand() {
         let colors = scale_colors();
-        let log = false_color(&image(&[0.0, 1e-9, 1.0, 100.0, 1e4]), &FalseColor::default());
+        let log =
+            false_color(&XyzImage::gray(&[0.0, 1e-9, 1.0, 100.0, 1e4]), &FalseColor::default());
         let log = log.unwrap();
         assert_eq!(log.scale_bar.as_ref().unwrap().range, [1.0, 1e4]);
         let expected = [colors[0], colors[0], colors[0], colors[128], colors[255]];
         assert_eq!(log.pixels, expected);
         let options =
             FalseColor { scale: Scale::Linear, range: Some([0.0, 10.0]), ..FalseColor::default() };
-        let linear = false_color(&image(&[0.0, 5.0, 20.0]), &options).unwrap();
+        let linear = false_color(&XyzImage::gray(&[0.0, 5.0, 20.0]), &options).unwrap();
         assert_eq!(linear.pixels, [colors[0], colors[128], colors[255]]);
     }
 
@@ -145,11 +140,11 @@ mod tests {
     fn bad_ranges_are_refused_and_black_is_drawn() {
         let options = FalseColor { range: Some([0.0, 1.0]), ..FalseColor::default() };
         assert_eq!(
-            false_color(&image(&[1.0]), &options).unwrap_err().to_string(),
+            false_color(&XyzImage::gray(&[1.0]), &options).unwrap_err().to_string(),
             "false color: range is 0 to 1, allowed: two ascending numbers, above 0 if log"
         );
         assert_eq!(
-            false_color(&image(&[0.0]), &FalseColor::default()).unwrap().pixels,
+            false_color(&XyzImage::gray(&[0.0]), &FalseColor::default()).unwrap().pixels,
             [scale_colors()[0]]
         );
     }

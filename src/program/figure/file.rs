@@ -6,7 +6,7 @@ use std::path::Path;
 use super::{Figure, PlacedRaster, to_pixels, to_svg};
 use crate::error::{Error, Result};
 use crate::image::Metadata;
-use crate::output::{ColorSpace, Raster, Samples, base64, encode_png, write_png, write_text};
+use crate::output::{ColorSpace, Digits, Raster, base64, encode_png, write_png, write_text};
 
 /// Errors: [`Error::Io`], and [`Error::Inconsistent`] for a figure that cannot be drawn.
 pub fn write_figure_png(path: &Path, figure: &Figure) -> Result<()> {
@@ -33,7 +33,7 @@ pub fn figure_svg(figure: &Figure) -> Result<String> {
 }
 
 fn raster(width: usize, height: usize, rgb: &[u8]) -> Raster<'_> {
-    let samples = Samples::Eight(Cow::Borrowed(rgb));
+    let samples = Digits::Eight(Cow::Borrowed(rgb));
     Raster { width, height, samples, color_space: ColorSpace::Srgb, metadata: Metadata::new() }
 }
 
@@ -55,12 +55,12 @@ fn picture(placed: &PlacedRaster) -> std::io::Result<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::scratch::Scratch;
+    use crate::output::scratch::ScratchFolder;
     use crate::program::figure::{Panel, RasterPanel};
 
     #[test]
     fn both_files_hold_the_picture() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let panel = RasterPanel {
             title: "two".to_owned(),
             width: 2,

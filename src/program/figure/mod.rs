@@ -30,9 +30,13 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// One panel of 800 × 600 pixels under no title but its own.
+    /// Width and height that a figure has unless it is told another, pixels.
+    pub const DEFAULT_SIZE: [u32; 2] = [800, 600];
+
+    /// One panel of [`Figure::DEFAULT_SIZE`] under no title but its own.
     pub fn new(panel: Panel) -> Self {
-        Self { width: 800, height: 600, title: String::new(), panels: vec![panel], columns: 1 }
+        let [width, height] = Self::DEFAULT_SIZE;
+        Self { width, height, title: String::new(), panels: vec![panel], columns: 1 }
     }
 }
 
@@ -44,7 +48,7 @@ pub enum Panel {
     /// A picture.
     Raster(RasterPanel),
     /// Lines in space.
-    Segments(SegmentsPanel),
+    Segments(SegmentDrawing),
 }
 
 /// Curves and points over two axes.
@@ -53,16 +57,16 @@ pub struct Chart {
     /// Stands above; may be empty.
     pub title: String,
     /// To the right.
-    pub x: Axis,
+    pub x: ChartAxis,
     /// Upward.
-    pub y: Axis,
+    pub y: ChartAxis,
     /// Drawn in their order.
     pub series: Vec<Series>,
 }
 
 /// What an axis shows.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Axis {
+pub struct ChartAxis {
     /// With its unit.
     pub label: String,
     /// How values are spread.
@@ -71,7 +75,7 @@ pub struct Axis {
     pub range: Option<[f64; 2]>,
 }
 
-impl Axis {
+impl ChartAxis {
     /// An even axis as long as needed.
     pub fn linear(label: &str) -> Self {
         Self { label: label.to_owned(), scale: Scale::Linear, range: None }
@@ -86,6 +90,7 @@ impl Axis {
 /// How values are spread along an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scale {
+    /// Evenly.
     #[default]
     Linear,
     /// Values ≤ 0 are left out.
@@ -184,7 +189,7 @@ pub enum SegmentMarks {
 
 /// Segments in space, seen from afar in parallel projection.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SegmentsPanel {
+pub struct SegmentDrawing {
     /// Stands above; may be empty.
     pub title: String,
     /// Right-handed, +Y up, mm.

@@ -4,7 +4,7 @@ use plotters::prelude::DrawingBackend;
 
 use super::brush::{Anchor, Brush, MEDIUM, SMALL};
 use super::raster::Rect;
-use super::{COLORS, SegmentMarks, SegmentsPanel};
+use super::{COLORS, SegmentDrawing, SegmentMarks};
 use crate::error::Result;
 
 /// Behind white lines.
@@ -13,7 +13,7 @@ const GROUND: [u8; 3] = [38, 42, 50];
 const START: [u8; 3] = [0, 210, 90];
 
 /// Onto the plane across the line of sight: to the right, up.
-fn project(panel: &SegmentsPanel, [x, y, z]: [f64; 3]) -> [f64; 2] {
+fn project(panel: &SegmentDrawing, [x, y, z]: [f64; 3]) -> [f64; 2] {
     let (sin_a, cos_a) = panel.azimuth_deg.to_radians().sin_cos();
     let (sin_e, cos_e) = panel.elevation_deg.to_radians().sin_cos();
     let right = x * cos_a - z * sin_a;
@@ -24,7 +24,7 @@ fn project(panel: &SegmentsPanel, [x, y, z]: [f64; 3]) -> [f64; 2] {
 /// Draws the segments as large as they fit, with the directions of the axes.
 pub fn draw_segments<DB: DrawingBackend>(
     brush: &Brush<DB>,
-    panel: &SegmentsPanel,
+    panel: &SegmentDrawing,
     rect: Rect,
 ) -> Result<()> {
     brush.words(&panel.title, [rect.center_x(), rect.y + 28.0], Anchor::Above, MEDIUM)?;
@@ -65,7 +65,7 @@ pub fn draw_segments<DB: DrawingBackend>(
 /// The directions of x, y and z.
 fn draw_axes<DB: DrawingBackend>(
     brush: &Brush<DB>,
-    panel: &SegmentsPanel,
+    panel: &SegmentDrawing,
     origin: [f64; 2],
     ink: [u8; 3],
 ) -> Result<()> {

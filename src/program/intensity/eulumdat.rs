@@ -1,6 +1,6 @@
 //! EULUMDAT files.
 
-use super::grid::{Direction, Grid};
+use super::grid::{Direction, IntensityGrid};
 use super::ies::one_line;
 use crate::error::{Error, Result};
 
@@ -12,7 +12,7 @@ const GAMMA_STEP_DEG: f64 = 1.0;
 /// Direct ratios for ten room indices, which mean nothing for a lamp on a car.
 const ROOM_INDICES: usize = 10;
 
-impl Grid {
+impl IntensityGrid {
     /// The grid as an EULUMDAT file: cd/klm about the lamp's axis, +Z.
     ///
     /// C planes turn from +X (C = 0°) over +Y (90°); γ is the angle to +Z. Values lie linearly

@@ -9,24 +9,26 @@ use crate::error::{Error, Result};
 /// azimuth), `v_deg` lifts (its elevation). Goniometers with this polar axis are of type A.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Direction {
+    /// Turned about the lamp's vertical axis, degrees; positive toward +X.
     pub h_deg: f64,
+    /// Lifted toward +Y, degrees.
     pub v_deg: f64,
 }
 
 /// Intensities at every pair of the angles.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Grid {
+pub struct IntensityGrid {
     /// Strictly ascending, one at least.
     h_deg: Vec<f64>,
     /// Strictly ascending, one at least.
     v_deg: Vec<f64>,
     /// cd; row by row: of `v_deg[j]`, `h_deg[i]` at j · (number of h) + i.
     values: Vec<Xyz>,
-    /// Of the scene's lights, lm.
+    /// Flux of the scene's lights, lm.
     pub flux_lm: f64,
 }
 
-impl Grid {
+impl IntensityGrid {
     /// Measures each direction with `intensity`, row by row.
     ///
     /// Errors: angles that do not ascend, or none; whatever `intensity` fails with.
@@ -47,10 +49,12 @@ impl Grid {
         Ok(Self { h_deg, v_deg, values, flux_lm })
     }
 
+    /// The horizontal angles, strictly ascending.
     pub fn h_deg(&self) -> &[f64] {
         &self.h_deg
     }
 
+    /// The vertical angles, strictly ascending.
     pub fn v_deg(&self) -> &[f64] {
         &self.v_deg
     }
@@ -109,10 +113,10 @@ pub(super) mod tests {
     use super::*;
 
     /// A grid of `f(h, v)` cd.
-    pub fn grid(h_deg: &[f64], v_deg: &[f64], f: impl Fn(f64, f64) -> f64) -> Grid {
+    pub fn grid(h_deg: &[f64], v_deg: &[f64], f: impl Fn(f64, f64) -> f64) -> IntensityGrid {
         let intensity =
             |d: Direction| Ok::<_, Error>(Xyz::new(1.0, 1.0, 1.0) * f(d.h_deg, d.v_deg));
-        Grid::sweep(h_deg.to_vec(), v_deg.to_vec(), 1000.0, intensity).unwrap()
+        IntensityGrid::sweep(h_deg.to_vec(), v_deg.to_vec(), 1000.0, intensity).unwrap()
     }
 
     #[test]
@@ -138,7 +142,7 @@ pub(super) mod tests {
     #[test]
     fn angles_have_to_ascend() {
         let sweep = |h: Vec<f64>| {
-            Grid::sweep(h, vec![0.0], 1.0, |_| Ok::<_, Error>(Xyz::default())).is_err()
+            IntensityGrid::sweep(h, vec![0.0], 1.0, |_| Ok::<_, Error>(Xyz::default())).is_err()
         };
         assert!(sweep(vec![]) && sweep(vec![0.0, 0.0]) && sweep(vec![f64::NAN, 1.0]));
     }

@@ -1,13 +1,13 @@
 //! IES LM-63-2002 files.
 
-use super::grid::{Direction, Grid};
+use super::grid::{Direction, IntensityGrid};
 use crate::error::{Error, Result};
 
 /// Photometry of type A in LM-63's numbering, and lengths in m.
 const TYPE_A: u32 = 3;
 const METERS: u32 = 2;
 
-impl Grid {
+impl IntensityGrid {
     /// The grid as an IES LM-63-2002 file, in absolute candela, photometric type A.
     ///
     /// The standard's horizontal angles turn clockwise as seen from above, against the azimuth of

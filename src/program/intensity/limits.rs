@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::grid::{Direction, Grid};
+use super::grid::{Direction, IntensityGrid};
 use crate::color::signal::{self, SignalColor};
 use crate::columns::{Table, TableRow};
 use crate::error::{Error, Result};
@@ -12,24 +12,31 @@ const UN_R148: &str = include_str!("../../../data/regulations/un_r148.csv");
 /// What a regulation asks of one lamp.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Limits {
+    /// The color of the light.
     pub color: SignalColor,
+    /// Where intensity is limited.
     pub points: Vec<Requirement>,
 }
 
 /// Least and greatest intensity in a direction, cd.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Requirement {
+    /// Where it holds.
     pub direction: Direction,
+    /// Least intensity, cd.
     pub min_cd: f64,
+    /// Greatest intensity, cd.
     pub max_cd: f64,
 }
 
 /// How a lamp does at one point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PointCheck {
+    /// What is asked there.
     pub requirement: Requirement,
     /// `None` where the grid does not reach.
     pub intensity_cd: Option<f64>,
+    /// The signal color of what was measured; `None` where it is none of them.
     pub color: Option<SignalColor>,
     /// Intensity within its limits, and color as asked for.
     pub passes: bool,
@@ -77,11 +84,11 @@ impl Limits {
     }
 
     /// Every point, in the order of the data.
-    pub fn check(&self, grid: &Grid) -> Vec<PointCheck> {
+    pub fn check(&self, grid: &IntensityGrid) -> Vec<PointCheck> {
         self.points.iter().map(|point| self.check_point(*point, grid)).collect()
     }
 
-    fn check_point(&self, requirement: Requirement, grid: &Grid) -> PointCheck {
+    fn check_point(&self, requirement: Requirement, grid: &IntensityGrid) -> PointCheck {
         let xyz = grid.at(requirement.direction);
         let color = xyz.and_then(|xyz| xyz.chromaticity()).and_then(signal::color_of);
         let intensity_cd = xyz.map(|xyz| xyz.y);
@@ -112,9 +119,10 @@ mod tests {
     use super::*;
     use crate::color::Xyz;
 
-    fn even(color: [f64; 2], intensity_cd: f64) -> Grid {
+    fn even(color: [f64; 2], intensity_cd: f64) -> IntensityGrid {
         let (h, v) = (vec![-20.0, 20.0], vec![-10.0, 10.0]);
-        Grid::sweep(h, v, 1.0, |_| Ok::<_, Error>(Xyz::from_xy(color, intensity_cd))).unwrap()
+        IntensityGrid::sweep(h, v, 1.0, |_| Ok::<_, Error>(Xyz::from_xy(color, intensity_cd)))
+            .unwrap()
     }
 
     const RED: [f64; 2] = [0.70, 0.295];
@@ -153,13 +161,13 @@ mod tests {
     #[test]
     fn points_pass_by_intensity_and_color() {
         let limits = Limits::un_r148("S1").unwrap();
-        let failed = |grid: &Grid| limits.check(grid).iter().filter(|p| !p.passes).count();
+        let failed = |grid: &IntensityGrid| limits.check(grid).iter().filter(|p| !p.passes).count();
         assert_eq!(failed(&even(RED, 100.0)), 0);
         assert_eq!(failed(&even(RED, 59.0)), 1, "the axis");
         assert_eq!(failed(&even(RED, 53.9)), 3, "the axis and ±5°");
         assert_eq!(failed(&even(RED, 261.0)), 19, "too bright");
         assert_eq!(failed(&even([0.57, 0.42], 100.0)), 19, "amber");
-        let narrow = Grid::sweep(vec![-5.0, 5.0], vec![-10.0, 10.0], 1.0, |_| {
+        let narrow = IntensityGrid::sweep(vec![-5.0, 5.0], vec![-10.0, 10.0], 1.0, |_| {
             Ok::<_, Error>(Xyz::from_xy(RED, 100.0))
         });
         let checks = limits.check(&narrow.unwrap());

@@ -8,6 +8,6 @@ mod limits;
 mod rules;
 
 pub use far_field::{intensity, is_cut_off};
-pub use grid::{Direction, Grid};
+pub use grid::{Direction, IntensityGrid};
 pub use limits::{Limits, PointCheck, Requirement};
-pub use rules::{LampRules, Side, StopRatio, VisibilityField, Weakest};
+pub use rules::{LampRules, RoadSide, StopRatio, VisibilityField, Weakest};

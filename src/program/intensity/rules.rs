@@ -1,6 +1,7 @@
 //! What UN R148 asks of a lamp beyond its points: a field of visibility, a ratio, a mark.
 
-use super::grid::{Direction, Grid};
+use super::grid::{Direction, IntensityGrid};
+use crate::columns::built_in_rows;
 use crate::error::{Error, Result};
 
 const LAMPS: &str = include_str!("../../../data/regulations/un_r148_lamps.csv");
@@ -10,7 +11,9 @@ const LAMPS: &str = include_str!("../../../data/regulations/un_r148_lamps.csv");
 pub struct LampRules {
     /// Greatest intensity of a lamp marked "D", cd; `None` where the data do not tell.
     pub max_d_cd: Option<f64>,
+    /// Where the lamp must be visible.
     pub field: VisibilityField,
+    /// For stop lamps that are combined with a position lamp.
     pub ratio: Option<StopRatio>,
 }
 
@@ -21,42 +24,49 @@ pub struct VisibilityField {
     pub min_cd: f64,
     /// Toward the middle of the vehicle.
     pub inward_deg: f64,
+    /// Away from the middle of the vehicle.
     pub outward_deg: f64,
+    /// Above the axis.
     pub up_deg: f64,
+    /// Below the axis.
     pub down_deg: f64,
 }
 
 /// How much brighter a stop lamp is than the position lamp it is combined with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StopRatio {
+    /// Least ratio of the stop lamp's intensity to the position lamp's.
     pub min: f64,
     /// Within these angles to the axis.
     pub h_deg: f64,
+    /// Up and down, degrees.
     pub v_deg: f64,
 }
 
 /// Where on the vehicle a lamp is, as an observer behind it sees it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
+pub enum RoadSide {
+    /// The left of the vehicle.
     Left,
+    /// The right of the vehicle.
     Right,
 }
 
 /// The direction that is nearest to failing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weakest {
+    /// Where it is.
     pub direction: Direction,
+    /// Intensity there, cd, or the ratio.
     pub value: f64,
 }
 
 impl LampRules {
     /// `None` for a lamp that is not in the data.
     pub fn un_r148(lamp: &str) -> Option<Self> {
-        let rows = LAMPS.lines().filter(|line| !line.starts_with('#')).skip(1);
-        let mut rows = rows.filter_map(|row| row.split_once(','));
-        let (_, cells) = rows.find(|(name, _)| *name == lamp)?;
-        let cells: Vec<Option<f64>> = cells.split(',').map(|cell| cell.parse().ok()).collect();
-        let [max_d_cd, min_cd, inward, outward, up, down, ratio, ratio_h, ratio_v] = cells[..]
+        let (_, row) = built_in_rows(LAMPS).find(|(name, _)| *name == lamp)?;
+        let cells: Vec<Option<f64>> = row.iter().map(|n| n.is_finite().then_some(*n)).collect();
+        let [_, max_d_cd, min_cd, inward, outward, up, down, ratio, ratio_h, ratio_v] = cells[..]
         else {
             return None;
         };
@@ -76,10 +86,10 @@ impl VisibilityField {
     /// The least intensity in the field of a lamp on `side`.
     ///
     /// Errors: a grid that does not reach all of the field.
-    pub fn weakest(&self, grid: &Grid, side: Side) -> Result<Weakest> {
+    pub fn weakest(&self, grid: &IntensityGrid, side: RoadSide) -> Result<Weakest> {
         let (left, right) = match side {
-            Side::Left => (self.outward_deg, self.inward_deg),
-            Side::Right => (self.inward_deg, self.outward_deg),
+            RoadSide::Left => (self.outward_deg, self.inward_deg),
+            RoadSide::Right => (self.inward_deg, self.outward_deg),
         };
         let area = Area { h_deg: [-left, right], v_deg: [-self.down_deg, self.up_deg] };
         area.weakest(&[grid], |direction| Some(grid.at(direction)?.y))
@@ -90,7 +100,7 @@ impl StopRatio {
     /// The least ratio of `stop` to `position`; infinite where the latter is dark.
     ///
     /// Errors: a grid that does not reach all of the angles.
-    pub fn weakest(&self, stop: &Grid, position: &Grid) -> Result<Weakest> {
+    pub fn weakest(&self, stop: &IntensityGrid, position: &IntensityGrid) -> Result<Weakest> {
         let [h_deg, v_deg] = [self.h_deg, self.v_deg].map(|angle| [-angle, angle]);
         Area { h_deg, v_deg }.weakest(&[stop, position], |direction| {
             let (stop, position) = (stop.at(direction)?.y, position.at(direction)?.y);
@@ -110,16 +120,16 @@ impl Area {
     /// them intensity is linear.
     fn weakest(
         &self,
-        grids: &[&Grid],
+        grids: &[&IntensityGrid],
         value: impl Fn(Direction) -> Option<f64>,
     ) -> Result<Weakest> {
-        let inside = |[from, to]: [f64; 2], angles: fn(&Grid) -> &[f64]| {
+        let inside = |[from, to]: [f64; 2], angles: fn(&IntensityGrid) -> &[f64]| {
             let all = grids.iter().flat_map(move |grid| angles(grid)).copied();
             all.filter(move |angle| (from..=to).contains(angle)).chain([from, to])
         };
         let mut weakest: Option<Weakest> = None;
-        for v_deg in inside(self.v_deg, Grid::v_deg) {
-            for h_deg in inside(self.h_deg, Grid::h_deg) {
+        for v_deg in inside(self.v_deg, IntensityGrid::v_deg) {
+            for h_deg in inside(self.h_deg, IntensityGrid::h_deg) {
                 let direction = Direction { h_deg, v_deg };
                 let value = value(direction).ok_or_else(|| self.not_reached())?;
                 if weakest.is_none_or(|so_far| value < so_far.value) {
@@ -165,7 +175,8 @@ mod tests {
         let wide: Vec<f64> = (-9..=9).map(|i| f64::from(i) * 10.0).collect();
         // Falls to 0 at 90° to the right.
         let grid = grid(&wide, &[-20.0, 20.0], |h, _| 0.9 - h / 100.0);
-        let [left, right] = [Side::Left, Side::Right].map(|s| field.weakest(&grid, s).unwrap());
+        let [left, right] =
+            [RoadSide::Left, RoadSide::Right].map(|s| field.weakest(&grid, s).unwrap());
         assert_eq!((left.direction.h_deg, right.direction.h_deg), (45.0, 80.0));
         assert!((left.value - 0.45).abs() < 1e-12 && (right.value - 0.1).abs() < 1e-12);
     }
@@ -175,7 +186,7 @@ mod tests {
         let field = LampRules::un_r148("S1").unwrap().field;
         let narrow = grid(&[-20.0, 20.0], &[-10.0, 10.0], |_, _| 100.0);
         assert_eq!(
-            field.weakest(&narrow, Side::Left).unwrap_err().to_string(),
+            field.weakest(&narrow, RoadSide::Left).unwrap_err().to_string(),
             "grid:check: the grid has to reach over h from -45° to 45°, v from -15° to 15°"
         );
     }

@@ -1,7 +1,7 @@
 //! What is said of options outside of the program: the Lua language server's annotations and the
 //! manual's option tables, both written from the records' rows.
 
-use super::record::{Record, Row};
+use super::record::{OptionRow, Record};
 use crate::error::Error;
 use crate::program::fields::{Field, Fields};
 use crate::program::results;
@@ -9,7 +9,7 @@ use crate::program::results;
 /// A record as the annotations and the manual show it.
 struct Class {
     name: &'static str,
-    rows: Vec<Row>,
+    rows: Vec<OptionRow>,
 }
 
 fn class<R: Record>() -> Class {
@@ -20,8 +20,8 @@ fn results<T>(fields: &Fields<T>) -> Class {
     Class { name: fields.class, rows: fields.fields.iter().map(result_row).collect() }
 }
 
-fn result_row<T>(field: &Field<T>) -> Row {
-    Row {
+fn result_row<T>(field: &Field<T>) -> OptionRow {
+    OptionRow {
         key: field.name,
         lua_type: field.lua_type.trim_end_matches('?').to_owned(),
         is_required: !field.lua_type.ends_with('?'),
@@ -116,7 +116,7 @@ const RECORDS: &[fn() -> Class] = &[
     class::<super::measured::PlaneShape>,
     class::<super::measured::SphereShape>,
     class::<super::scene::SceneOptions>,
-    class::<super::scene::Object>,
+    class::<super::scene::SceneObject>,
     class::<super::scene::LightErrorOptions>,
     class::<super::spectrum::SpectrumLoadOptions>,
     class::<super::study::Spread>,
@@ -153,8 +153,8 @@ impl Class {
 }
 
 /// Key, type, and what is said of them.
-fn line(row: &Row) -> String {
-    let Row { key, lua_type, allowed, sentence, .. } = row;
+fn line(row: &OptionRow) -> String {
+    let OptionRow { key, lua_type, allowed, sentence, .. } = row;
     let mark = if row.is_required { "" } else { "?" };
     let default = match row.default.as_str() {
         "" => String::new(),
@@ -186,14 +186,14 @@ mod tests {
         }
     }
 
-    fn table_line(row: &Row) -> String {
+    fn table_line(row: &OptionRow) -> String {
         let default = match (row.is_required, row.default.as_str()) {
             (true, _) => "required".to_owned(),
             (false, "") => String::new(),
             (false, default) => format!("`{default}`"),
         };
         let lua_type = row.lua_type.replace('|', "\\|");
-        let Row { key, allowed, sentence, .. } = row;
+        let OptionRow { key, allowed, sentence, .. } = row;
         format!("| `{key}` | {lua_type} | {allowed} | {default} | {sentence} |\n")
     }
 

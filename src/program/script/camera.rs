@@ -8,12 +8,12 @@ use super::look::EXPOSURE;
 use super::options::{Arguments, Range};
 use super::record::options;
 use crate::color::D65_XY;
-use crate::display::{Camera, Exposure};
+use crate::display::{Exposure, PhotoCamera};
 use crate::spectrum::Spectrum;
 
 /// Handle of a camera.
 #[derive(Debug, Clone)]
-pub struct LuaCamera(pub Camera);
+pub struct LuaCamera(pub PhotoCamera);
 
 options! {
     struct CameraOptions {
@@ -39,8 +39,8 @@ const CHANNEL: SpectrumOrNumber = SpectrumOrNumber { expected: "a spectrum", all
 /// A table of cameras that can be called to make one.
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     let table = lua.create_table()?;
-    table.set("nikon_d5100", LuaCamera(Camera::nikon_d5100()))?;
-    table.set("sigma_sd_merrill", LuaCamera(Camera::sigma_sd_merrill()))?;
+    table.set("nikon_d5100", LuaCamera(PhotoCamera::nikon_d5100()))?;
+    table.set("sigma_sd_merrill", LuaCamera(PhotoCamera::sigma_sd_merrill()))?;
     fault::refuse_unknown_names(lua, &table, "lampyris.camera")?;
     let call = fault::function(lua, |_, mut a| {
         a.pop_front(); // the table itself
@@ -55,8 +55,8 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
 fn camera(mut arguments: Arguments) -> mlua::Result<LuaCamera> {
     let CameraOptions { red, green, blue, exposure, full_well, white, name } =
         arguments.record()?;
-    let camera = Camera::new(&name, [red, green, blue]);
-    let made = Camera { exposure, full_well, white_xy: white, ..camera };
+    let camera = PhotoCamera::new(&name, [red, green, blue]);
+    let made = PhotoCamera { exposure, full_well, white_xy: white, ..camera };
     made.check()?;
     Ok(LuaCamera(made))
 }

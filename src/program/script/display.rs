@@ -23,7 +23,7 @@ use crate::program::results::CHANNEL;
 #[derive(Debug, Clone)]
 pub struct LuaDisplay {
     pub display: Arc<Display>,
-    /// Of a display that was fitted.
+    /// How a display was fitted; `None` for others.
     pub fitted: Option<Arc<Fitted>>,
 }
 
@@ -130,7 +130,7 @@ options! {
 }
 
 options! {
-    /// Of every display that a script makes.
+    /// Options of every display that a script makes.
     struct DisplayCommonOptions {
         /// of a channel
         bits: u32 = BITS.or(8),

@@ -13,11 +13,11 @@ use super::options::{self, Arguments, Range};
 use super::record::options;
 use crate::color::Xyz;
 use crate::display::{
-    self, CHANNELS, CurveKind, Display, DisplayMeasurement, Light, Patch, RampPatch,
+    self, CHANNELS, ColorPatch, CurveKind, Display, DisplayMeasurement, RampLight, RampPatch,
 };
 use crate::error::Error;
 use crate::program::fields::Cell;
-use crate::program::figure::{Axis, Chart, Panel, Series};
+use crate::program::figure::{Chart, ChartAxis, Panel, Series};
 use crate::program::results::VERIFICATION;
 
 options! {
@@ -100,15 +100,15 @@ pub(super) fn plot(display: &LuaDisplay) -> LuaFigure {
             series.push(Series { color: Some(RGB[c]), ..Series::scatter("", points) });
         }
     }
-    let (x, y) = (Axis::linear("digital value"), Axis::linear("light relative to full"));
+    let (x, y) = (ChartAxis::linear("digital value"), ChartAxis::linear("light relative to full"));
     LuaFigure::of_panel(Panel::Chart(Chart { title: String::new(), x, y, series }))
 }
 
 /// `{d, luminance}` or `{d, X, Y, Z}`.
 fn ramp_patch(object: &str, what: &str, value: &Value) -> mlua::Result<RampPatch> {
     let (digit, light) = match numbers(Range::ANY).read(object, what, value)?[..] {
-        [digit, luminance] => (digit, Light::Luminance(luminance)),
-        [digit, x, y, z] => (digit, Light::Xyz(Xyz::new(x, y, z))),
+        [digit, luminance] => (digit, RampLight::Luminance(luminance)),
+        [digit, x, y, z] => (digit, RampLight::Xyz(Xyz::new(x, y, z))),
         ref cells => {
             let problem = format!("{what} has {} entries, expected {}", cells.len(), RAMP.expected);
             return Err(Error::inconsistent(object, problem).into());
@@ -131,8 +131,8 @@ pub(super) fn ramps(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> 
     let table = lua.create_table()?;
     for (channel, patches) in CHANNELS.into_iter().zip(&ramps) {
         let rows = patches.iter().map(|patch| match patch.light {
-            Light::Luminance(luminance) => vec![patch.digit, luminance],
-            Light::Xyz(color) => vec![patch.digit, color.x, color.y, color.z],
+            RampLight::Luminance(luminance) => vec![patch.digit, luminance],
+            RampLight::Xyz(color) => vec![patch.digit, color.x, color.y, color.z],
         });
         table.set(channel, rows.collect::<Vec<_>>())?;
     }
@@ -152,12 +152,12 @@ pub(super) fn verify(lua: &Lua, display: &Display, mut arguments: Arguments) -> 
     Ok(VERIFICATION.record(&display::verify(display, &patches)?))
 }
 
-fn patch(number: usize, row: &Value) -> mlua::Result<Patch> {
+fn patch(number: usize, row: &Value) -> mlua::Result<ColorPatch> {
     const OBJECT: &str = "display:verify";
     let what = format!("patch {number}");
     let [r, g, b, x, y, z] = numbers(Range::ANY).read(OBJECT, &what, row)?[..] else {
         let problem = format!("{what} is no {{r, g, b, X, Y, Z}}");
         return Err(Error::inconsistent(OBJECT, problem).into());
     };
-    Ok(Patch { digits: [r, g, b], measured: Xyz::new(x, y, z) })
+    Ok(ColorPatch { digits: [r, g, b], measured: Xyz::new(x, y, z) })
 }

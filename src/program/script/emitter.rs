@@ -8,7 +8,7 @@ use super::material::LuaMaterial;
 use super::mesh::LuaMesh;
 use super::options::{Arguments, Range};
 use super::record::options;
-use super::scene::Object;
+use super::scene::SceneObject;
 use super::{fault, host};
 use crate::error::Error;
 use crate::geometry::{DVec3, Mesh};
@@ -188,7 +188,7 @@ options! {
 }
 
 impl Glass {
-    fn part(&self, center: DVec3) -> mlua::Result<Object> {
+    fn part(&self, center: DVec3) -> mlua::Result<SceneObject> {
         if self.thickness >= self.radius {
             let allowed = format!("below the radius, {} mm", self.radius);
             let what = "\"thickness\"";
@@ -198,7 +198,7 @@ impl Glass {
         let outside = sphere(self.radius)?;
         let inside = sphere(self.radius - self.thickness)?.turned_inside_out();
         let mesh = Mesh::merged("bulb: glass", &[&outside, &inside])?;
-        Ok(Object { mesh: LuaMesh::made(mesh), material: self.material.clone() })
+        Ok(SceneObject { mesh: LuaMesh::made(mesh), material: self.material.clone() })
     }
 }
 

@@ -12,7 +12,8 @@ use super::{fault, host};
 use crate::color::Xyz;
 use crate::color::upsampling::{ColorGamut, round_trip};
 use crate::environment::{
-    Daylight, Dome, Environment, Panel, Picture, Room, SkyKind, Sun, SunPlace, per_lumen, toward,
+    CeilingPanel, Daylight, Dome, Environment, Picture, Room, SkyKind, Sun, SunPlace, per_lumen,
+    toward,
 };
 use crate::error::Error;
 use crate::geometry::DVec3;
@@ -243,7 +244,7 @@ fn room(mut arguments: Arguments) -> mlua::Result<LuaEnvironment> {
     for (at, value) in (1..).zip(given.panels) {
         let PanelOptions { center, size, luminance } =
             PanelOptions::read(&format!("{OBJECT}: panel {at}"), value)?;
-        panels.push(Panel { center, size, luminance });
+        panels.push(CeilingPanel { center, size, luminance });
     }
     let room = Room {
         size: given.size,
@@ -265,11 +266,11 @@ fn room(mut arguments: Arguments) -> mlua::Result<LuaEnvironment> {
 }
 
 /// Evenly over the ceiling.
-fn in_rows(given: &RoomOptions) -> Vec<Panel> {
+fn in_rows(given: &RoomOptions) -> Vec<CeilingPanel> {
     let place =
         |at: usize, count: usize, length: f64| ((at as f64 + 0.5) / count as f64 - 0.5) * length;
     let rows = (0..given.rows).flat_map(|row| (0..given.columns).map(move |column| (column, row)));
-    rows.map(|(column, row)| Panel {
+    rows.map(|(column, row)| CeilingPanel {
         center: [
             place(column, given.columns, given.size[0]),
             place(row, given.rows, given.size[1]),

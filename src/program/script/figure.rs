@@ -19,8 +19,8 @@ use crate::error::Error;
 use crate::geometry::DVec3;
 use crate::image::Region;
 use crate::program::figure::{
-    self, Axis, Chart, FalseColor, Figure, Marks, Panel, RasterPanel, Scale, SegmentMarks, Series,
-    false_color,
+    self, Chart, ChartAxis, FalseColor, Figure, Marks, Panel, RasterPanel, Scale, SegmentMarks,
+    Series, false_color,
 };
 
 /// Handle of a figure.
@@ -28,8 +28,6 @@ use crate::program::figure::{
 pub struct LuaFigure(Arc<Figure>);
 
 const NAMES: [&str; 2] = ["save", "svg"];
-
-const DEFAULT_SIZE: [u32; 2] = [800, 600];
 
 /// Pixels a side.
 const MAX_SIDE: u64 = 16_384;
@@ -47,8 +45,8 @@ impl LuaFigure {
     /// Panels side by side.
     pub(super) fn of_panels(panels: Vec<Panel>) -> Self {
         Self(Arc::new(Figure {
-            width: DEFAULT_SIZE[0],
-            height: DEFAULT_SIZE[1] / panels.len().max(1) as u32,
+            width: Figure::DEFAULT_SIZE[0],
+            height: Figure::DEFAULT_SIZE[1] / panels.len().max(1) as u32,
             title: String::new(),
             columns: panels.len(),
             panels,
@@ -75,8 +73,8 @@ options! {
         }.optional(""),
         /// of panels
         columns: Option<usize> = Count::new(1, 100).optional("all in one row"),
-        width: u32 = Count::new(1, MAX_SIDE).of("pixels").or(DEFAULT_SIZE[0]),
-        height: u32 = Count::new(1, MAX_SIDE).of("pixels").or(DEFAULT_SIZE[1]),
+        width: u32 = Count::new(1, MAX_SIDE).of("pixels").or(Figure::DEFAULT_SIZE[0]),
+        height: u32 = Count::new(1, MAX_SIDE).of("pixels").or(Figure::DEFAULT_SIZE[1]),
         title: String = title(),
     }
 }
@@ -129,7 +127,7 @@ enum Kinds {
 }
 
 impl Kinds {
-    /// Of the panel that a table describes: a picture, segments, or else a chart.
+    /// Kind of panel that a table describes: a picture, segments, or else a chart.
     fn of(value: &Value) -> Self {
         if has(value, "image") {
             Self::Picture
@@ -179,7 +177,7 @@ options! {
     }
 }
 
-/// Of an axis or a scale.
+/// Ends of an axis or a scale.
 const ENDS: Numbers<2> = Numbers { range: Range::ANY, expected: "a list of 2 numbers" };
 
 fn chart(options: &Options) -> mlua::Result<Chart> {
@@ -194,8 +192,8 @@ fn chart(options: &Options) -> mlua::Result<Chart> {
 }
 
 impl FigureAxis {
-    fn axis(self) -> Axis {
-        Axis { label: self.label, scale: scale(self.log), range: self.range }
+    fn axis(self) -> ChartAxis {
+        ChartAxis { label: self.label, scale: scale(self.log), range: self.range }
     }
 }
 
@@ -279,10 +277,10 @@ fn segment(object: &str, what: &str, value: &Value) -> mlua::Result<[DVec3; 2]> 
     })
 }
 
-fn segments(options: &Options) -> mlua::Result<figure::SegmentsPanel> {
+fn segments(options: &Options) -> mlua::Result<figure::SegmentDrawing> {
     let SegmentsPanel { segments, dots, azimuth, elevation, title } =
         Record::from_options(options)?;
-    Ok(figure::SegmentsPanel {
+    Ok(figure::SegmentDrawing {
         title,
         segments: segments.iter().map(|ends| ends.map(|end| end.to_array())).collect(),
         marks: if dots { SegmentMarks::LinesAndDots } else { SegmentMarks::Lines },

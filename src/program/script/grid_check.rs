@@ -9,7 +9,7 @@ use super::photometry::LuaGrid;
 use super::record::{Record, options};
 use crate::error::Error;
 use crate::program::intensity::{
-    Grid, LampRules, Limits, Side, StopRatio, VisibilityField, Weakest,
+    IntensityGrid, LampRules, Limits, RoadSide, StopRatio, VisibilityField, Weakest,
 };
 use crate::program::results::POINT;
 
@@ -24,14 +24,14 @@ options! {
         /// the maximum of lamps marked "D"
         marked_d: bool = Flag.or(false),
         /// of the vehicle as seen from behind: checks the field of visibility
-        side: Option<Side> = Choice(&[("left", Side::Left), ("right", Side::Right)]).optional(""),
+        side: Option<RoadSide> = Choice(&[("left", RoadSide::Left), ("right", RoadSide::Right)]).optional(""),
         /// of the position lamp combined with this stop lamp: checks their ratio
         position: Option<LuaGrid> = Handle::new("Grid", "the grid of the position lamp").optional(""),
     }
 }
 
 /// `"S1"` of UN R148, or `{lamp =, file =, marked_d =, side =, position =}`.
-pub(super) fn check(lua: &Lua, grid: &Grid, value: Value) -> mlua::Result<Table> {
+pub(super) fn check(lua: &Lua, grid: &IntensityGrid, value: Value) -> mlua::Result<Table> {
     let value = match value {
         Value::Table(_) => value,
         name => {
@@ -63,7 +63,7 @@ pub(super) fn check(lua: &Lua, grid: &Grid, value: Value) -> mlua::Result<Table>
 /// What a grid is checked against.
 struct Rules {
     limits: Limits,
-    field: Option<(VisibilityField, Side)>,
+    field: Option<(VisibilityField, RoadSide)>,
     ratio: Option<(StopRatio, LuaGrid)>,
 }
 

@@ -41,8 +41,8 @@ pub struct Host {
     pub settings: Settings,
     warnings: Arc<Mutex<Vec<(String, u32)>>>,
     clipped: Arc<Mutex<Clipped>>,
-    script_input: Arc<OnceLock<Input>>,
-    inputs: Arc<Mutex<Vec<Input>>>,
+    script_input: Arc<OnceLock<ScriptInput>>,
+    inputs: Arc<Mutex<Vec<ScriptInput>>>,
     /// Bytes of big things made since garbage was last collected.
     uncollected: Arc<AtomicUsize>,
     seeds: Arc<Mutex<Vec<(String, u64)>>>,
@@ -50,7 +50,7 @@ pub struct Host {
 
 /// A file that the script read.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Input {
+pub struct ScriptInput {
     /// As the script names it.
     pub name: String,
     /// Where it was found.
@@ -59,7 +59,7 @@ pub struct Input {
     pub stamp: Stamp,
 }
 
-impl Input {
+impl ScriptInput {
     /// Whether the file is still the one that was read.
     ///
     /// Errors: the file has changed since it was read.
@@ -73,7 +73,7 @@ impl Input {
 }
 
 impl Host {
-    /// Of a script that has not read anything yet.
+    /// State of a script that has not read anything yet.
     pub fn new(script: &Path, settings: Settings) -> Self {
         Self {
             script: script.to_owned(),
@@ -132,7 +132,7 @@ impl Host {
         match inputs.iter().find(|input| input.name == name && input.path == path) {
             Some(known) => known.check(),
             None => {
-                inputs.push(Input { name: name.to_owned(), path: path.to_owned(), stamp });
+                inputs.push(ScriptInput { name: name.to_owned(), path: path.to_owned(), stamp });
                 Ok(())
             }
         }
@@ -143,18 +143,18 @@ impl Host {
     /// Errors: it cannot be read.
     pub(super) fn note_script(&self) -> Result<()> {
         let stamp = Stamp::of_script(&self.script)?;
-        let input = Input { name: self.script_name(), path: self.script.clone(), stamp };
+        let input = ScriptInput { name: self.script_name(), path: self.script.clone(), stamp };
         self.script_input.get_or_init(|| input);
         Ok(())
     }
 
     /// The script as it was read; `None` at a prompt.
-    pub fn script_input(&self) -> Option<&Input> {
+    pub fn script_input(&self) -> Option<&ScriptInput> {
         self.script_input.get()
     }
 
     /// All files that the script has read so far, in the order of their first reading.
-    pub fn inputs(&self) -> Vec<Input> {
+    pub fn inputs(&self) -> Vec<ScriptInput> {
         locked(&self.inputs).clone()
     }
 

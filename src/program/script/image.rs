@@ -36,12 +36,12 @@ pub struct LuaImage(Arc<Rendered>);
 struct Rendered {
     image: SpectralImage,
     /// `None` for an image that was not rendered by this script.
-    run: Option<Run>,
+    run: Option<RenderRun>,
 }
 
 /// How a render went.
 #[derive(Debug)]
-struct Run {
+struct RenderRun {
     stats: RenderStats,
     build: BuildSeconds,
 }
@@ -113,7 +113,7 @@ options! {
 }
 
 impl RegionOptions {
-    /// Of one pixel unless more is given.
+    /// One pixel unless more is given.
     pub(super) fn region(&self) -> Region {
         let Self { x, y, width, height } = *self;
         Region {
@@ -142,7 +142,7 @@ const NAMES: [&str; 12] = [
 
 impl LuaImage {
     pub(super) fn new(image: SpectralImage, stats: RenderStats, prepared: &Prepared) -> Self {
-        let run = Some(Run { stats, build: prepared.seconds });
+        let run = Some(RenderRun { stats, build: prepared.seconds });
         Self(Arc::new(Rendered { image, run }))
     }
 
@@ -192,7 +192,7 @@ impl LuaImage {
 
     /// What its render did and cost.
     fn stats(&self) -> Cell {
-        let Some(Run { stats, build }) = &self.0.run else {
+        let Some(RenderRun { stats, build }) = &self.0.run else {
             return Cell::Nothing;
         };
         let RenderStats { seconds, expected_seconds, .. } = *stats;

@@ -412,7 +412,7 @@ impl SpectrumOrNumber {
         Self { expected: "a spectrum or a number", allowed }
     }
 
-    /// Of a light, which cannot do without.
+    /// The spectrum of a light, which cannot do without.
     pub(super) const fn of_light() -> Self {
         let expected = "a spectrum, such as lampyris.spectrum.blackbody(2856)";
         Self { expected, allowed: "" }

@@ -13,7 +13,7 @@ use super::measured::{
 use super::mesh::{LuaMesh, Transform};
 use super::options::{self, Arguments, Range};
 use super::record::{Record, options};
-use super::scene::Object;
+use super::scene::SceneObject;
 use super::spectrum::LuaSpectrum;
 use super::{far_field, fault, host};
 use crate::error::Error;
@@ -34,7 +34,7 @@ pub struct LuaLight {
     /// What rays see of it.
     pub surface: Option<Emitter>,
     /// What it brings besides: a bulb's glass.
-    pub parts: Vec<Object>,
+    pub parts: Vec<SceneObject>,
 }
 
 impl LuaLight {
@@ -207,7 +207,7 @@ impl StartOptions {
 pub(super) fn placed(light: LuaLight, transform: &Transform) -> mlua::Result<LuaLight> {
     let placement = transform.placement("rayset: transform")?;
     let world_from_local = placement.affine() * light.rays.world_from_local;
-    let moved = |part: &Object| Object {
+    let moved = |part: &SceneObject| SceneObject {
         mesh: LuaMesh::made(part.mesh.0.transformed(&placement)),
         material: part.material.clone(),
     };

@@ -9,7 +9,7 @@ use super::record::options;
 use super::spectrum::COLUMN;
 use super::{fault, host};
 use crate::material::{self, LobeCount, LobeFit, LobeSpace, LobeTable, Peak, about_peak, fit_lobe};
-use crate::program::figure::{Axis, Chart, Panel, Series};
+use crate::program::figure::{Chart, ChartAxis, Panel, Series};
 use crate::program::results::{LOBE, LOBE_FIT};
 
 options! {
@@ -135,10 +135,10 @@ fn chart(points: &[(f64, f64)], fit: &LobeFit, space: LobeSpace) -> Chart {
     let name: Vec<String> = fit.lobes.iter().map(|lobe| format!("n = {:.0}", lobe.n)).collect();
     Chart {
         title: String::new(),
-        x: Axis::linear("angle from the lobe's direction (degrees)"),
+        x: ChartAxis::linear("angle from the lobe's direction (degrees)"),
         y: match space {
-            LobeSpace::Linear => Axis::linear("measured value"),
-            LobeSpace::Log => Axis::log("measured value"),
+            LobeSpace::Linear => ChartAxis::linear("measured value"),
+            LobeSpace::Log => ChartAxis::log("measured value"),
         },
         series: vec![
             Series::scatter("measured", points.iter().map(|&(x, y)| [x, y]).collect()),

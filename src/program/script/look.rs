@@ -10,7 +10,7 @@ use super::fault;
 use super::kinds::{Choice, Count, Custom, Handle, Kind, Number, missing, nested};
 use super::options::{self, Range, describe};
 use super::record::{Record, options};
-use crate::display::{Camera, Exposure, Gamut, Glare, Look, Tone};
+use crate::display::{Exposure, Gamut, Glare, Look, PhotoCamera, Tone};
 use crate::error::Error;
 
 options! {
@@ -43,11 +43,11 @@ options! {
         /// the curve on luminance, from and to luminance relative to display white
         tone: Option<Tone> = TONE.optional("\"linear\""),
         /// looks in place of the eye
-        camera: Option<Option<Camera>> = CAMERA.optional("none"),
+        camera: Option<Option<PhotoCamera>> = CAMERA.optional("none"),
     }
 }
 
-/// Of a display's channel.
+/// Bits of a display's channel.
 pub(super) const BITS: Count<u32> = Count::new(1, 16);
 
 impl PngOptions {
@@ -107,7 +107,7 @@ pub(super) const LOOK: Custom<Look> = Custom {
 };
 
 /// A camera, or `false` for the eye.
-const CAMERA: Custom<Option<Camera>> = Custom {
+const CAMERA: Custom<Option<PhotoCamera>> = Custom {
     lua_type: "false|Camera",
     allowed: "",
     read: |object, what, value| match value {

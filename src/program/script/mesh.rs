@@ -13,14 +13,14 @@ use super::options::{self, Arguments, Range};
 use super::record::options;
 use super::{fault, host};
 use crate::error::Error;
-use crate::geometry::import::{self, Interpolation, MeshFile, Reading, Selection};
+use crate::geometry::import::{self, Interpolation, MeshFile, MeshReading, Selection};
 use crate::geometry::mesh::{Axis, Placement, Shading};
-use crate::geometry::{DVec3, Mesh, Plane, obj};
+use crate::geometry::{Closure, DVec3, Mesh, Plane, obj};
 use crate::output;
 
 /// Handle of a mesh, and of the names in its file.
 #[derive(Debug, Clone)]
-pub struct LuaMesh(pub Arc<Mesh>, Arc<Names>);
+pub struct LuaMesh(pub Arc<Mesh>, Arc<MeshNames>);
 
 impl LuaMesh {
     /// A mesh that came of no file.
@@ -31,7 +31,7 @@ impl LuaMesh {
 
 /// Parts of a file that can be loaded by themselves.
 #[derive(Debug, Default)]
-struct Names {
+struct MeshNames {
     groups: Vec<String>,
     objects: Vec<String>,
     materials: Vec<String>,
@@ -77,7 +77,7 @@ fn new_handle(mesh: Mesh, smooth: bool) -> LuaMesh {
 }
 
 impl LuaMesh {
-    /// Of a mesh that is from no file.
+    /// Handle of a mesh that is from no file.
     fn new(mesh: Mesh) -> Self {
         Self(Arc::new(mesh), Arc::default())
     }
@@ -133,13 +133,13 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let warnings = file.warnings.iter().cloned().chain(unit);
     warnings.for_each(|warning| host.warn(format!("{path}: {warning}")));
     let MeshFile { mesh, groups, objects, materials, .. } = file;
-    Ok(LuaMesh(Arc::new(mesh), Arc::new(Names { groups, objects, materials })))
+    Ok(LuaMesh(Arc::new(mesh), Arc::new(MeshNames { groups, objects, materials })))
 }
 
 impl MeshLoadOptions {
-    fn reading(self) -> Reading {
+    fn reading(self) -> MeshReading {
         let Self { smooth, scale, unit, group, object, material, weld, crease } = self;
-        Reading {
+        MeshReading {
             selection: Selection { group, object, material },
             unit_mm: unit.unwrap_or(1.0) * scale,
             weld_mm: weld,
@@ -221,7 +221,7 @@ options! {
 fn surface(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let given: MeshSurfaceOptions = arguments.record()?;
     let MeshSurfaceOptions { nu, nv, .. } = given;
-    /// Of a grid's point, its mesh's position and normal, and two triangles.
+    /// Memory of a grid's point: its mesh's position and normal, and two triangles.
     const BYTES_A_POINT: usize = 128;
     let bytes = (nu + 1).saturating_mul(nv + 1).saturating_mul(BYTES_A_POINT);
     host::reserve(lua, SURFACE, bytes, "fewer cells, nu and nv, would fit")?;
@@ -302,7 +302,7 @@ impl Transform {
     }
 }
 
-/// Of length 1.
+/// The vector at length 1.
 fn direction(object: &str, key: &str, vector: DVec3) -> mlua::Result<DVec3> {
     vector.try_normalize().ok_or_else(|| {
         Error::out_of_range(object, &format!("\"{key}\""), vector, "any direction").into()
@@ -333,7 +333,7 @@ impl UserData for LuaMesh {
         });
         fields.add_field_method_get("area", |_, this| Ok(this.0.area_mm2()));
         fields.add_field_method_get("volume", |_, this| Ok(this.0.volume_mm3()));
-        fields.add_field_method_get("open_edges", |_, this| Ok(this.0.open_edges()));
+        fields.add_field_method_get("open_edges", |_, this| Ok(Closure::of(&this.0).open_edges));
         fields.add_field_method_get("groups", |_, this| Ok(this.1.groups.clone()));
         fields.add_field_method_get("objects", |_, this| Ok(this.1.objects.clone()));
         fields.add_field_method_get("materials", |_, this| Ok(this.1.materials.clone()));

@@ -126,7 +126,7 @@ impl Options {
     }
 }
 
-/// Of the keys that pass, the first by its text: Lua's own order differs from run to run.
+/// Among the keys that pass, the first by its text: Lua's own order differs from run to run.
 fn first_key(table: &Table, passes: impl Fn(&Value) -> bool) -> mlua::Result<Option<String>> {
     let mut first: Option<String> = None;
     for pair in table.pairs::<Value, Value>() {

@@ -14,13 +14,13 @@ use super::{fault, grid_check, host, image};
 use crate::error::Error;
 use crate::geometry::DVec3;
 use crate::output;
-use crate::program::intensity::{self, Direction, Grid};
+use crate::program::intensity::{self, Direction, IntensityGrid};
 use crate::render::{Asked, Quality};
 use crate::view::View;
 
 /// Handle of a measured grid.
 #[derive(Debug, Clone)]
-pub struct LuaGrid(pub Arc<Grid>);
+pub struct LuaGrid(pub Arc<IntensityGrid>);
 
 const NAMES: [&str; 6] = ["at", "check", "flux", "h", "save", "v"];
 
@@ -76,7 +76,7 @@ fn grid(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaGrid> {
         intensity::intensity(&rendered, &view)
     };
     let flux_lm = given.scene.flux_lm();
-    Ok(LuaGrid(Arc::new(Grid::sweep(given.h.clone(), given.v.clone(), flux_lm, measure)?)))
+    Ok(LuaGrid(Arc::new(IntensityGrid::sweep(given.h.clone(), given.v.clone(), flux_lm, measure)?)))
 }
 
 impl GridOptions {

@@ -66,7 +66,7 @@ const DEPTH: Custom<u32> = Custom {
     shown: u32::to_string,
 };
 
-/// Of the sum over light samples.
+/// Largest error of the sum over light samples.
 pub(super) fn light_error() -> Or<Number> {
     Number(Range::RATIO).or(Quality::default().limits.light_error)
 }

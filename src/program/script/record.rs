@@ -21,7 +21,7 @@ use super::options::Options;
 
 /// What is said of one option.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Row {
+pub(super) struct OptionRow {
     pub key: &'static str,
     /// For the Lua language server.
     pub lua_type: String,
@@ -34,7 +34,7 @@ pub(super) struct Row {
     pub sentence: String,
 }
 
-impl Row {
+impl OptionRow {
     pub(super) fn new<T, K: Kind<Read = T>>(key: &'static str, kind: &K, sentence: &str) -> Self {
         Self {
             key,
@@ -49,10 +49,10 @@ impl Row {
 
 /// A table of named options, as a struct of what they mean.
 pub(super) trait Record: Sized {
-    /// Of the record in the annotations.
+    /// Name of the record in the annotations.
     const CLASS: &'static str;
 
-    fn rows() -> Vec<Row>;
+    fn rows() -> Vec<OptionRow>;
 
     fn keys() -> Vec<&'static str>;
 
@@ -84,9 +84,9 @@ macro_rules! options {
         impl $crate::program::script::record::Record for $record {
             const CLASS: &'static str = stringify!($record);
 
-            fn rows() -> Vec<$crate::program::script::record::Row> {
+            fn rows() -> Vec<$crate::program::script::record::OptionRow> {
                 #[allow(unused_mut)]
-                let mut rows = vec![$($crate::program::script::record::Row::new::<$type, _>(
+                let mut rows = vec![$($crate::program::script::record::OptionRow::new::<$type, _>(
                     stringify!($key), &$kind, concat!("", $($sentence),*)
                 )),*];
                 $(rows.extend(<$shared_type>::rows());)*

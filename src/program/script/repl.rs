@@ -46,9 +46,9 @@ fn unreadable(error: ReadlineError) -> ScriptFault {
     ScriptFault { message: format!("repl: {error}"), interrupted: false }
 }
 
-fn editor(lua: &Lua) -> rustyline::Result<Editor<Names, FileHistory>> {
+fn editor(lua: &Lua) -> rustyline::Result<Editor<Completions, FileHistory>> {
     let mut editor = Editor::with_config(Config::builder().auto_add_history(true).build())?;
-    editor.set_helper(Some(Names(lua.clone())));
+    editor.set_helper(Some(Completions(lua.clone())));
     if let Some(path) = history_path() {
         let _ = editor.load_history(&path); // there is none at the first start
     }
@@ -63,7 +63,7 @@ fn history_path() -> Option<PathBuf> {
 /// Lines until they are a whole chunk; `None` at the end of the input.
 fn read_chunk(
     lua: &Lua,
-    editor: &mut Editor<Names, FileHistory>,
+    editor: &mut Editor<Completions, FileHistory>,
 ) -> rustyline::Result<Option<String>> {
     let mut chunk = String::new();
     loop {
@@ -118,9 +118,9 @@ fn evaluate(lua: &Lua, chunk: &str) -> Result<(), ScriptFault> {
 }
 
 /// Completes names of tables that can be reached from the globals.
-struct Names(Lua);
+struct Completions(Lua);
 
-impl Names {
+impl Completions {
     /// Where the last name begins, and the names that it may become.
     fn candidates(&self, line: &str) -> (usize, Vec<String>) {
         let of_name = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.');
@@ -146,7 +146,7 @@ impl Names {
     }
 }
 
-impl Completer for Names {
+impl Completer for Completions {
     type Candidate = String;
 
     fn complete(
@@ -159,28 +159,28 @@ impl Completer for Names {
     }
 }
 
-impl Hinter for Names {
+impl Hinter for Completions {
     type Hint = String;
 }
 
-impl Highlighter for Names {
+impl Highlighter for Completions {
     fn highlight<'l>(&self, line: &'l str, _: usize) -> Cow<'l, str> {
         Cow::Borrowed(line)
     }
 }
 
-impl Validator for Names {}
-impl Helper for Names {}
+impl Validator for Completions {}
+impl Helper for Completions {}
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn names() -> Names {
+    fn names() -> Completions {
         let lua = state(Path::new("repl"), Settings::default()).unwrap();
         let module: Table = lua.load("return require 'lampyris'").call(()).unwrap();
         lua.globals().set("lampyris", module).unwrap();
-        Names(lua)
+        Completions(lua)
     }
 
     #[test]

@@ -78,7 +78,7 @@ options! {
 
 options! {
     #[derive(Debug, Clone)]
-    struct Object {
+    struct SceneObject {
         mesh: LuaMesh = Handle::new("Mesh", "a mesh"),
         material: LuaMaterial = Handle::new("Material", "a material"),
     }
@@ -90,9 +90,9 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
 
 fn new(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
     let given: SceneOptions = arguments.record()?;
-    let mut parts = Parts::default();
+    let mut parts = SceneParts::default();
     for (at, value) in (1..).zip(given.objects) {
-        parts.add(Object::read(&format!("scene: object {at}"), value)?);
+        parts.add(SceneObject::read(&format!("scene: object {at}"), value)?);
     }
     let mut light = |LuaLight { rays, spectrum, surface, parts: own }| {
         own.iter().for_each(|part| parts.add(part.clone()));
@@ -121,14 +121,14 @@ fn new(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
 }
 
 #[derive(Default)]
-struct Parts {
+struct SceneParts {
     objects: Vec<scene::Object>,
     materials: Vec<Arc<Material>>,
 }
 
-impl Parts {
+impl SceneParts {
     /// A material handle used twice is one material of the scene.
-    fn add(&mut self, object: Object) {
+    fn add(&mut self, object: SceneObject) {
         let material = object.material.0;
         let known = self.materials.iter().position(|m| Arc::ptr_eq(m, &material));
         let material = known.unwrap_or_else(|| {
@@ -201,7 +201,7 @@ pub(super) fn reserve_picture(
         Asked::Quality(quality) => quality.grid,
         Asked::TargetError(_) => WavelengthGrid::Step5,
     };
-    /// Of the film's statistics.
+    /// Memory of the film's statistics.
     const BYTES_A_PIXEL: usize = 64;
     let bytes_a_pixel = 2 * size_of::<f32>() * grid.bands() + BYTES_A_PIXEL;
     let bytes = view.pixels().saturating_mul(bytes_a_pixel);

@@ -8,7 +8,7 @@ use super::kinds::{Count, Custom, Flag, Kind, Name, Numbers, Or};
 use super::options::{self, Arguments, Range};
 use super::record::options;
 use super::{fault, host};
-use crate::columns::Choice;
+use crate::columns::TableChoice;
 use crate::error::Error;
 use crate::spectrum::{Spectrum, WavelengthGrid, cie};
 
@@ -72,14 +72,14 @@ options! {
     }
 }
 
-/// Of a table: the first is the wavelength or angle.
+/// A table's column of values: the first is the wavelength or angle.
 pub(super) const COLUMN: Or<Count<usize>> = Or { kind: Count::new(2, 1000), default: 2 };
 
 fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaSpectrum> {
     let path = arguments.text("path")?;
     let SpectrumLoadOptions { column, row, clamp } = arguments.record()?;
     let host = host::of(lua)?;
-    let spectrum = Spectrum::load(&host.input(&path)?, &Choice { column, row })?;
+    let spectrum = Spectrum::load(&host.input(&path)?, &TableChoice { column, row })?;
     let spectrum = if clamp { spectrum.clamped(0.0, 1.0) } else { spectrum };
     if let Some([first, last]) = spectrum.partial_range_nm() {
         host.warn(format!(

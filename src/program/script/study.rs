@@ -14,7 +14,7 @@ use super::record::{Record, options};
 use super::sweep::source;
 use crate::error::Error;
 use crate::program::study::{
-    self, Design, Distribution, Done, Interval, MOST_DRAWS, Parameter, Study,
+    self, Design, Distribution, Interval, MOST_DRAWS, Parameter, Study, StudyOutcome,
 };
 
 const DESIGNS: &[(&str, Design)] = &[
@@ -150,7 +150,7 @@ fn table_of(lua: &Lua, cells: &[(String, f64)]) -> mlua::Result<Table> {
 }
 
 /// `{ rows, mean, sd, percentile, sensitivity, probability }`.
-fn answer(lua: &Lua, study: Study, done: Done) -> mlua::Result<Table> {
+fn answer(lua: &Lua, study: Study, done: StudyOutcome) -> mlua::Result<Table> {
     let answer = lua.create_table()?;
     let names = done.table.columns.get(study.parameters.len()..).unwrap_or_default().to_vec();
     let columns = |f: fn(&[f64]) -> f64| {
@@ -178,7 +178,7 @@ fn answer(lua: &Lua, study: Study, done: Done) -> mlua::Result<Table> {
 }
 
 /// `study.percentile(name, percent)`: the value and the ends of its 95 % confidence interval.
-fn percentile(done: &Done, arguments: MultiValue) -> mlua::Result<(f64, f64, f64)> {
+fn percentile(done: &StudyOutcome, arguments: MultiValue) -> mlua::Result<(f64, f64, f64)> {
     let mut arguments = Arguments::new("study.percentile", arguments, 2)?;
     let values = column(done, "study.percentile", &arguments.text("name of a result")?)?;
     let percent = arguments.number("percent", Range::new(0.0, 100.0, "%"))?;
@@ -191,7 +191,7 @@ fn percentile(done: &Done, arguments: MultiValue) -> mlua::Result<(f64, f64, f64
 /// `study.sensitivity(name)`: `{ first =, total = }` by parameter, and the share explained.
 fn sensitivities(
     lua: &Lua,
-    (study, done): &(Study, Done),
+    (study, done): &(Study, StudyOutcome),
     arguments: MultiValue,
 ) -> mlua::Result<(Table, f64)> {
     let name = Arguments::new("study.sensitivity", arguments, 1)?.text("name of a result")?;
@@ -207,7 +207,7 @@ fn sensitivities(
     Ok((by_parameter, found.explained))
 }
 
-fn column(done: &Done, object: &str, name: &str) -> mlua::Result<Vec<f64>> {
+fn column(done: &StudyOutcome, object: &str, name: &str) -> mlua::Result<Vec<f64>> {
     let columns = &done.table.columns;
     let unknown = || {
         let names: Vec<&str> = columns.iter().map(String::as_str).collect();

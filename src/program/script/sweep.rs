@@ -9,7 +9,7 @@ use mlua::{Lua, Table, Value};
 use serde_json::json;
 
 use super::fault;
-use super::host::{self, Host, Input};
+use super::host::{self, Host, ScriptInput};
 use super::image::RegionOptions;
 use super::kinds::{Choice, Custom, Handle, Kind, Nested, Text, any, missing};
 use super::look::PngOptions;
@@ -182,7 +182,7 @@ pub(super) struct Digests(BTreeMap<PathBuf, Digest>);
 
 impl Digests {
     /// Checks on both sides of reading, so that the digest is of what the script read.
-    fn of(&mut self, input: &Input) -> crate::Result<FileDigest> {
+    fn of(&mut self, input: &ScriptInput) -> crate::Result<FileDigest> {
         input.check()?;
         if !self.0.contains_key(&input.path) {
             self.0.insert(input.path.clone(), Digest::of_file(&input.path)?);

@@ -25,23 +25,23 @@ options! {
     /// Where a picture is taken from.
     struct ViewOptions {
         /// to the right
-        azimuth: f64 = Number(Range::new(-360.0, 360.0, "degrees")).or(0.0),
+        azimuth: f64 = Number(Range::new(-360.0, 360.0, "degrees")).or(View::FRONT.azimuth_deg),
         /// up
-        elevation: f64 = Number(Range::new(-90.0, 90.0, "degrees")).or(0.0),
+        elevation: f64 = Number(Range::new(-90.0, 90.0, "degrees")).or(View::FRONT.elevation_deg),
         /// from eye to target
         distance: f64 = DISTANCE,
-        target: DVec3 = Vector("mm").or(DVec3::ZERO),
+        target: DVec3 = Vector("mm").or(View::FRONT.target),
         /// full vertical angle
         fov: f64 = FOV,
-        width: usize = pixels(640),
-        height: usize = pixels(480),
+        width: usize = pixels(View::FRONT.width),
+        height: usize = pixels(View::FRONT.height),
     }
 }
 
 pub(super) const DISTANCE: Or<Number> =
-    Or { kind: Number(Range::above_zero("mm")), default: 3000.0 };
+    Or { kind: Number(Range::above_zero("mm")), default: View::FRONT.distance_mm };
 pub(super) const FOV: Or<Number> =
-    Or { kind: Number(Range::between(0.0, 180.0, "degrees")), default: 6.0 };
+    Or { kind: Number(Range::between(0.0, 180.0, "degrees")), default: View::FRONT.fov_deg };
 
 /// A side of a picture.
 pub(super) fn pixels(default: usize) -> Or<Count<usize>> {

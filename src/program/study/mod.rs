@@ -14,7 +14,7 @@ mod table;
 
 pub use design::{Design, Draws, MOST_DRAWS, MOST_PARAMETERS};
 pub use distribution::{Distribution, normal_quantile};
-pub use run::{Done, Parameter, Study};
+pub use run::{Parameter, Study, StudyOutcome};
 pub use sensitivity::{Sensitivity, sensitivity};
 pub use summary::{Interval, mean, percentile_interval, probability, standard_deviation};
-pub use table::Table;
+pub use table::DrawTable;

@@ -5,10 +5,10 @@ use std::path::Path;
 
 use super::run::Study;
 use super::summary::{mean, percentile_interval, standard_deviation};
-use super::table::Table;
+use super::table::DrawTable;
 use crate::error::Result;
 use crate::output;
-use crate::program::figure::{Axis, Chart, Figure, Panel, Series, figure_svg};
+use crate::program::figure::{Chart, ChartAxis, Figure, Panel, Series, figure_svg};
 
 const STYLE: &str = "body{font:16px/1.5 'DejaVu Sans',Verdana,sans-serif;max-width:1100px;\
     margin:2em auto;padding:0 1.5em}td,th{padding:.15em 1em .15em 0;text-align:left}\
@@ -21,7 +21,7 @@ const MOST_POINTS: usize = 2000;
 /// The same table gives the same bytes.
 ///
 /// Errors: [`crate::Error::Io`].
-pub(super) fn write(folder: &Path, study: &Study, table: &Table) -> Result<()> {
+pub(super) fn write(folder: &Path, study: &Study, table: &DrawTable) -> Result<()> {
     let mut page = format!(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Study</title>\
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
@@ -36,7 +36,7 @@ pub(super) fn write(folder: &Path, study: &Study, table: &Table) -> Result<()> {
 }
 
 /// Names are letters, digits, `_` and `.`: nothing to escape.
-fn section(study: &Study, table: &Table, result: &str) -> Result<String> {
+fn section(study: &Study, table: &DrawTable, result: &str) -> Result<String> {
     let values = table.column(result).unwrap_or_default();
     let mut html = format!("<h2>{result}</h2>\n<table>");
     for (name, value) in [("mean", mean(&values)), ("sd", standard_deviation(&values))] {
@@ -57,7 +57,7 @@ fn section(study: &Study, table: &Table, result: &str) -> Result<String> {
 }
 
 /// Parameters by their share of the variance, the largest on top.
-fn tornado(study: &Study, table: &Table, values: &[f64]) -> String {
+fn tornado(study: &Study, table: &DrawTable, values: &[f64]) -> String {
     let found = match study.sensitivity(table, values) {
         Ok(found) => found,
         Err(error) => return format!("<p>No sensitivities: {error}</p>\n"),
@@ -83,14 +83,14 @@ fn tornado(study: &Study, table: &Table, values: &[f64]) -> String {
     html + "</table>\n"
 }
 
-fn scatter(study: &Study, table: &Table, result: &str, values: &[f64]) -> Figure {
+fn scatter(study: &Study, table: &DrawTable, result: &str, values: &[f64]) -> Figure {
     let panel = |name: &str| {
         let x = table.column(name).unwrap_or_default();
         let points = x.iter().zip(values).take(MOST_POINTS).map(|(&x, &y)| [x, y]).collect();
         Panel::Chart(Chart {
             title: String::new(),
-            x: Axis::linear(name),
-            y: Axis::linear(result),
+            x: ChartAxis::linear(name),
+            y: ChartAxis::linear(result),
             series: vec![Series::scatter("", points)],
         })
     };

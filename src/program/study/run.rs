@@ -8,7 +8,7 @@ use super::design::{Design, Draws, MOST_DRAWS, MOST_PARAMETERS};
 use super::distribution::Distribution;
 use super::page;
 use super::sensitivity::{Sensitivity, sensitivity};
-use super::table::{Table, Writer};
+use super::table::{DrawTable, Writer};
 use crate::error::{Error, Result};
 use crate::output;
 use crate::program::sweep::{Digest, FileDigest, Shard, Source};
@@ -39,9 +39,9 @@ pub struct Study {
 
 /// What a study did.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Done {
+pub struct StudyOutcome {
     /// All of it that is there, by draw.
-    pub table: Table,
+    pub table: DrawTable,
     /// Draws that this run made.
     pub made: usize,
     /// Where the draws of another study lie now that stood in the folder.
@@ -87,7 +87,7 @@ impl Study {
     /// What the variance of `values`, one a row of `table`, comes from.
     ///
     /// Errors: as [`sensitivity`].
-    pub fn sensitivity(&self, table: &Table, values: &[f64]) -> Result<Sensitivity> {
+    pub fn sensitivity(&self, table: &DrawTable, values: &[f64]) -> Result<Sensitivity> {
         let draws = self.draws();
         let shares: Vec<Vec<f64>> = table
             .rows
@@ -113,7 +113,7 @@ impl Study {
         source: &Source,
         mut begin: impl FnMut(usize, usize),
         mut run: impl FnMut(&[(String, f64)]) -> std::result::Result<Vec<(String, f64)>, E>,
-    ) -> std::result::Result<Done, E> {
+    ) -> std::result::Result<StudyOutcome, E> {
         self.check()?;
         let moved = self.claim(folder, source)?;
         let draws = self.draws();
@@ -138,7 +138,7 @@ impl Study {
         if table.rows.len() == draws.count() {
             page::write(folder, self, &table)?;
         }
-        Ok(Done { table, made: missing.len(), moved })
+        Ok(StudyOutcome { table, made: missing.len(), moved })
     }
 
     fn check_result(&self, name: &str) -> Result<()> {
@@ -236,7 +236,7 @@ impl Distribution {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::scratch::Scratch;
+    use crate::output::scratch::ScratchFolder;
 
     fn study(samples: usize) -> Study {
         let parameter =
@@ -276,7 +276,7 @@ mod tests {
     /// Ten times stopped by an error of its run, it ends with the bytes of an unbroken one.
     #[test]
     fn stopped_studies_go_on_to_the_same_bytes() {
-        let (whole, broken) = (Scratch::new(), Scratch::new());
+        let (whole, broken) = (ScratchFolder::new(), ScratchFolder::new());
         let source = Source::default();
         study(32).run(&whole.path(""), &source, |_, _| {}, results).unwrap();
         for stop in 0..10 {
@@ -299,7 +299,7 @@ mod tests {
 
     #[test]
     fn draws_of_another_study_are_moved_aside() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let folder = scratch.path("");
         let source = Source::default();
         study(8).run(&folder, &source, |_, _| {}, results).unwrap();
@@ -311,7 +311,7 @@ mod tests {
 
     #[test]
     fn shards_make_the_draws_of_the_whole() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let whole = study(10).run(&scratch.path("whole"), &Source::default(), |_, _| {}, results);
         let mut rows = Vec::new();
         for number in 1..=3 {
@@ -331,7 +331,7 @@ mod tests {
             bad.check().unwrap_err().to_string(),
             "study: name of a parameter is \"a,b\", allowed: letters, digits, \"_\" and \".\", not \"draw\""
         );
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let same = study(4).run(
             &scratch.path(""),
             &Source::default(),

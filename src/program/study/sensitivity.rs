@@ -50,9 +50,9 @@ pub fn sensitivity(
     let scaled = DVector::from_iterator(values.len(), values.iter().map(|v| (v - center) / scale));
     let fits = (1..).map_while(|degree| {
         let terms = terms(parameters, degree, values.len())?;
-        Some(Fit::new(parameters, shares, &scaled, terms))
+        Some(PolynomialFit::new(parameters, shares, &scaled, terms))
     });
-    let mut best: Option<Fit> = None;
+    let mut best: Option<PolynomialFit> = None;
     let mut worse = 0;
     for fit in fits {
         let is_better = best.as_ref().is_none_or(|known| fit.error < known.error);
@@ -97,14 +97,14 @@ fn terms(parameters: &[Distribution], degree: usize, draws: usize) -> Option<Vec
     (all.len() <= most && is_new).then_some(all)
 }
 
-struct Fit {
+struct PolynomialFit {
     terms: Vec<Term>,
     coefficients: DVector<f64>,
     /// Variance of draws that their own fit did not see, relative to theirs.
     error: f64,
 }
 
-impl Fit {
+impl PolynomialFit {
     fn new(
         parameters: &[Distribution],
         shares: &[Vec<f64>],
@@ -159,9 +159,9 @@ impl Fit {
 
 /// Polynomials orthonormal in one parameter's distribution.
 enum Family {
-    /// Of u, even between 0 and 1.
+    /// In u, even between 0 and 1.
     Legendre(usize),
-    /// Of the standard normal variable.
+    /// In the standard normal variable.
     Hermite(usize),
     /// Values by degree and entry of a list.
     Discrete(Vec<Vec<f64>>),

@@ -72,7 +72,7 @@ mod tests {
         assert_eq!(probability(0, 0), None);
     }
 
-    /// Of 400 sets of 200 draws some 95 % hold the true percentile: 380 ± 3 · 4.4.
+    /// Among 400 sets of 200 draws some 95 % hold the true percentile: 380 ± 3 · 4.4.
     #[test]
     fn percentiles_lie_in_their_interval() {
         let truth = normal_quantile(0.9);

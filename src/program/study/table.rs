@@ -8,14 +8,14 @@ use crate::error::{Error, Place, Result};
 
 /// The draws made so far, in the order in which they were made.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Table {
+pub struct DrawTable {
     /// Names of the parameters, then of the results.
     pub columns: Vec<String>,
     /// Index of each draw (from 0), and a value for each column.
     pub rows: Vec<(usize, Vec<f64>)>,
 }
 
-impl Table {
+impl DrawTable {
     /// The values of a column; `None` if there is none of this name.
     pub fn column(&self, name: &str) -> Option<Vec<f64>> {
         let at = self.columns.iter().position(|column| column == name)?;
@@ -76,15 +76,15 @@ fn line(index: usize, values: &[f64]) -> String {
 pub struct Writer {
     path: PathBuf,
     file: File,
-    table: Table,
+    table: DrawTable,
 }
 
 impl Writer {
     /// Goes on with what the file holds; a line that a kill cut off goes.
     ///
-    /// Errors: as [`Table::read`].
+    /// Errors: as [`DrawTable::read`].
     pub fn open(path: &Path) -> Result<Self> {
-        let table = Table::read(path)?;
+        let table = DrawTable::read(path)?;
         let io = |e| Error::io(path, e);
         let file = File::options().append(true).create(true).open(path).map_err(io)?;
         let whole = if table.columns.is_empty() { 0 } else { table.to_csv().len() };
@@ -93,12 +93,12 @@ impl Writer {
     }
 
     /// The draws so far.
-    pub fn table(&self) -> &Table {
+    pub fn table(&self) -> &DrawTable {
         &self.table
     }
 
     /// The draws, by index.
-    pub fn into_table(mut self) -> Table {
+    pub fn into_table(mut self) -> DrawTable {
         self.table.rows.sort_by_key(|(index, _)| *index);
         self.table
     }
@@ -133,7 +133,7 @@ impl Writer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::scratch::Scratch;
+    use crate::output::scratch::ScratchFolder;
 
     fn cells(x: f64, y: f64) -> Vec<(String, f64)> {
         vec![("x".to_owned(), x), ("y".to_owned(), y)]
@@ -142,7 +142,7 @@ mod tests {
     /// Cut off anywhere, the table goes on to the same bytes.
     #[test]
     fn a_kill_at_any_byte_loses_at_most_a_draw() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("draws.csv");
         let values = |index: usize| cells(index as f64 / 3.0, -1e-300 * index as f64);
         let fill = |path: &Path| {
@@ -166,7 +166,7 @@ mod tests {
 
     #[test]
     fn other_columns_and_infinities_are_refused() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("draws.csv");
         let mut writer = Writer::open(&path).unwrap();
         writer.add(0, cells(1.0, 2.0)).unwrap();

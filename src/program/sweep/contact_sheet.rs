@@ -8,7 +8,7 @@ use super::page;
 use crate::color::{D65_XY, Xyz};
 use crate::display::{Display, DisplayImage, GamutReport};
 use crate::error::{Error, Result};
-use crate::output::{self, Raster, Samples};
+use crate::output::{self, Digits, Raster};
 use crate::program::figure::words;
 
 const NAME: &str = "contact_sheet.png";
@@ -120,8 +120,8 @@ impl LinearTables {
         let file_full = (1usize << bits) - 1;
         for (c, sum) in sum.iter_mut().enumerate() {
             let sample = match &raster.samples {
-                Samples::Eight(samples) => usize::from(samples[3 * pixel + c]),
-                Samples::Sixteen(samples) => usize::from(samples[3 * pixel + c]),
+                Digits::Eight(samples) => usize::from(samples[3 * pixel + c]),
+                Digits::Sixteen(samples) => usize::from(samples[3 * pixel + c]),
             };
             *sum += self.light[c][(sample * self.full + file_full / 2) / file_full];
         }
@@ -159,7 +159,7 @@ mod tests {
         let raster = Raster {
             width: 480,
             height: 2,
-            samples: Samples::Eight(stripes.into()),
+            samples: Digits::Eight(stripes.into()),
             color_space: output::ColorSpace::Srgb,
             metadata: Default::default(),
         };

@@ -108,7 +108,7 @@ impl Default for Hasher {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::scratch::Scratch;
+    use crate::output::scratch::ScratchFolder;
 
     /// FIPS 180-4, the example "abc".
     const ABC: &str = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn digests_are_those_of_the_standard() {
         assert_eq!(Digest::of_bytes(b"abc").as_str(), ABC);
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         std::fs::write(scratch.path("abc"), "abc").unwrap();
         assert_eq!(Digest::of_file(&scratch.path("abc")).unwrap().as_str(), ABC);
         assert_eq!(Digest::parse(ABC).unwrap().as_str(), ABC);

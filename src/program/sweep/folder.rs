@@ -274,22 +274,22 @@ fn lock(path: &Path, shard: Option<Shard>) -> Result<Option<File>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::scratch::Scratch;
+    use crate::output::scratch::ScratchFolder;
 
-    fn files(scratch: &Scratch) -> Vec<String> {
+    fn files(scratch: &ScratchFolder) -> Vec<String> {
         let mut names = file_names(&scratch.path("")).unwrap();
         names.sort();
         names
     }
 
-    fn open(scratch: &Scratch, shard: Option<&str>) -> Folder {
+    fn open(scratch: &ScratchFolder, shard: Option<&str>) -> Folder {
         let shard = shard.map(|text| text.parse().unwrap());
         Folder::open(&scratch.path(""), shard, Source::default()).unwrap()
     }
 
     #[test]
     fn shards_remove_what_is_their_own_alone() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let left = [
             ".manifest.1-of-2.json.7.0.partial",
             ".manifest.2-of-2.json.8.0.partial",

@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use crate::display::{
-    Camera, Curve, Display, DisplayParameters, Exposure, Gamut, Glare, Look, MeasuredCurve, Toe,
-    Tone,
+    Curve, Display, DisplayParameters, Exposure, Gamut, Glare, Look, MeasuredCurve, PhotoCamera,
+    Toe, Tone,
 };
 use crate::spectrum::Spectrum;
 
@@ -77,14 +77,14 @@ fn exposure_from_record(record: &Value) -> Option<Exposure> {
     if record.as_str() == Some("auto") {
         return Some(Exposure::Auto);
     }
-    type Kind = (&'static str, fn(f64) -> Exposure);
-    let kinds: [Kind; 3] =
+    type ExposureKind = (&'static str, fn(f64) -> Exposure);
+    let kinds: [ExposureKind; 3] =
         [("factor", Exposure::Factor), ("ev", Exposure::Stops), ("adaptation", Exposure::Adapted)];
     kinds.into_iter().find_map(|(key, kind)| number(record, key).map(kind))
 }
 
-fn camera_record(camera: &Camera) -> Value {
-    let Camera { name, sensitivities, exposure, full_well, white_xy } = camera;
+fn camera_record(camera: &PhotoCamera) -> Value {
+    let PhotoCamera { name, sensitivities, exposure, full_well, white_xy } = camera;
     let pairs = |s: &Spectrum| -> Vec<[f64; 2]> {
         s.wavelengths_nm().iter().zip(s.values()).map(|(&nm, &value)| [nm, value]).collect()
     };
@@ -97,7 +97,7 @@ fn camera_record(camera: &Camera) -> Value {
     })
 }
 
-fn camera_from_record(record: &Value) -> Option<Camera> {
+fn camera_from_record(record: &Value) -> Option<PhotoCamera> {
     let pair = |value: &Value| Some((value.get(0)?.as_f64()?, value.get(1)?.as_f64()?));
     let channel = |at: usize| {
         let pairs = record.get("sensitivities")?.get(at)?.as_array()?;
@@ -105,11 +105,11 @@ fn camera_from_record(record: &Value) -> Option<Camera> {
         Spectrum::from_pairs("camera", pairs?).ok()
     };
     let white = pair(record.get("white")?)?;
-    Some(Camera {
+    Some(PhotoCamera {
         exposure: exposure_from_record(record.get("exposure")?)?,
         full_well: number(record, "full_well")?,
         white_xy: [white.0, white.1],
-        ..Camera::new(record.get("name")?.as_str()?, [channel(0)?, channel(1)?, channel(2)?])
+        ..PhotoCamera::new(record.get("name")?.as_str()?, [channel(0)?, channel(1)?, channel(2)?])
     })
 }
 

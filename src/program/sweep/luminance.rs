@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::image::{Metadata, XyzImage};
-use crate::output::{ColorSpace, Raster, Samples};
+use crate::output::{ColorSpace, Digits, Raster};
 use crate::program::figure::{FalseColor, Scale, false_color};
 use crate::statistics::percentile;
 
@@ -68,7 +68,7 @@ pub fn luminance_raster(image: &XyzImage, scale: LuminanceScale) -> Result<Raste
     Ok(Raster {
         width: panel.width,
         height: panel.height,
-        samples: Samples::Eight(panel.pixels.into_flattened().into()),
+        samples: Digits::Eight(panel.pixels.into_flattened().into()),
         color_space: ColorSpace::Srgb,
         metadata: Metadata::from([("luminance".to_owned(), scale.text(""))]),
     })
@@ -77,44 +77,38 @@ pub fn luminance_raster(image: &XyzImage, scale: LuminanceScale) -> Result<Raste
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::Xyz;
     use crate::program::figure::scale_colors;
-
-    fn image(luminances: &[f64]) -> XyzImage {
-        let pixels = luminances.iter().map(|&y| Xyz::new(y, y, y)).collect();
-        XyzImage { width: luminances.len(), height: 1, pixels }
-    }
 
     #[test]
     fn scales_end_at_percentiles_of_what_is_lit() {
         let lit: Vec<f64> = (0..=1000).map(|i| 10f64.powf(f64::from(i) / 250.0)).collect();
         let dark = [vec![0.0; 5000], lit].concat();
-        let LuminanceScale { range: [low, high], max } = LuminanceScale::of(&image(&dark));
+        let LuminanceScale { range: [low, high], max } = LuminanceScale::of(&XyzImage::gray(&dark));
         // 5 % and 99.8 % of four decades.
         assert!((low.log10() - 0.2).abs() < 1e-2 && (high.log10() - 3.992).abs() < 1e-2);
         assert_eq!(max, 1e4);
-        assert_eq!(LuminanceScale::of(&image(&[0.0])).range, LuminanceScale::BLACK);
+        assert_eq!(LuminanceScale::of(&XyzImage::gray(&[0.0])).range, LuminanceScale::BLACK);
         // A decade at least, and five at most.
-        assert_eq!(LuminanceScale::of(&image(&[7.0])).range, [0.1 * 7.0, 7.0]);
+        assert_eq!(LuminanceScale::of(&XyzImage::gray(&[7.0])).range, [0.1 * 7.0, 7.0]);
         let wide = LuminanceScale::range_of_all(&[[1e-9, 1.0], [2.0, 10.0]]);
         assert!((wide[0] / 1e-4 - 1.0).abs() < 1e-12 && wide[1] == 10.0);
     }
 
     #[test]
     fn the_range_has_all_colors() {
-        let image = image(&[0.0, 0.009, 0.01, 1.0, 100.0]);
+        let image = XyzImage::gray(&[0.0, 0.009, 0.01, 1.0, 100.0]);
         let scale = LuminanceScale { range: [0.01, 100.0], max: 100.0 };
         let raster = luminance_raster(&image, scale).unwrap();
         let colors = scale_colors();
         let [foot, end] = [colors[0], colors[colors.len() - 1]];
         let middle = colors[colors.len() / 2];
-        assert_eq!(raster.samples, Samples::Eight([foot, foot, foot, middle, end].concat().into()));
+        assert_eq!(raster.samples, Digits::Eight([foot, foot, foot, middle, end].concat().into()));
         assert!((scale.marks()[2] - 1.0).abs() < 1e-12);
     }
 
     #[test]
     fn black_is_drawn() {
-        let black = image(&[0.0]);
+        let black = XyzImage::gray(&[0.0]);
         assert!(luminance_raster(&black, LuminanceScale::of(&black)).is_ok());
     }
 }

@@ -277,7 +277,7 @@ impl Manifest {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::scratch::Scratch;
+    use crate::output::scratch::ScratchFolder;
 
     fn file(path: &str) -> FileDigest {
         FileDigest { path: path.to_owned(), digest: Digest::of_bytes(path.as_bytes()) }
@@ -312,7 +312,7 @@ mod tests {
 
     #[test]
     fn reads_what_it_wrote() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("manifest.json");
         manifest("view_0001.exr").write(&path).unwrap();
         assert_eq!(Manifest::read(&path).unwrap(), manifest("view_0001.exr"));
@@ -320,7 +320,7 @@ mod tests {
 
     #[test]
     fn any_change_of_a_manifest_is_found() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("manifest.json");
         let text = manifest("view_0001.exr").to_text();
         for at in 0..text.len() {
@@ -333,7 +333,7 @@ mod tests {
 
     #[test]
     fn an_unfinished_manifest_has_the_views_of_its_log() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("manifest.json");
         let unfinished = Manifest { is_complete: false, ..manifest("view_0001.exr") };
         unfinished.write(&path).unwrap();
@@ -350,7 +350,7 @@ mod tests {
 
     #[test]
     fn refuses_other_files_and_outputs_elsewhere() {
-        let scratch = Scratch::new();
+        let scratch = ScratchFolder::new();
         let path = scratch.path("manifest.json");
         let message = || Manifest::read(&path).unwrap_err().to_string();
         std::fs::write(&path, "{\n\"format\": 3\n").unwrap();

@@ -9,7 +9,7 @@ use super::look_record::{look_from_record, look_record};
 use super::luminance::{LuminanceScale, luminance_raster};
 use super::manifest::{Entry, FileDigest};
 use super::page::luminance_name;
-use super::record::Reading;
+use super::record::RegionReading;
 use crate::display::{Exposure, GamutReport, Look};
 use crate::error::{Error, Result};
 use crate::image::{Region, SpectralImage};
@@ -82,7 +82,10 @@ impl Pictures {
     ) -> Result<Map<String, Value>> {
         let mut readings = Map::new();
         for (name, region) in regions {
-            readings.insert(name.clone(), READING.record(&Reading::of(image, *region)?).to_json());
+            readings.insert(
+                name.clone(),
+                READING.record(&RegionReading::of(image, *region)?).to_json(),
+            );
         }
         let xyz = image.to_xyz();
         let scale = LuminanceScale::of(&xyz);

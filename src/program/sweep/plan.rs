@@ -58,7 +58,7 @@ pub struct Plan<'a> {
 
 /// What a sweep did.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Done {
+pub struct SweepOutcome {
     /// Views that were rendered.
     pub rendered: usize,
     /// Views that were there already.
@@ -76,10 +76,10 @@ impl Plan<'_> {
         folder: &Path,
         shots: impl Iterator<Item = std::result::Result<Shot, E>>,
         count: Option<usize>,
-    ) -> std::result::Result<Done, E> {
+    ) -> std::result::Result<SweepOutcome, E> {
         let mut folder = Folder::open(folder, self.shard, (self.source)()?)?;
         folder.set_pictures(self.pictures.record());
-        let mut done = Done::default();
+        let mut done = SweepOutcome::default();
         let mut names = BTreeSet::new();
         let mut files = BTreeSet::new();
         for (index, shot) in (1..).zip(shots) {
@@ -110,7 +110,7 @@ impl Plan<'_> {
         index: usize,
         shot: &Shot,
         count: Option<usize>,
-        done: &mut Done,
+        done: &mut SweepOutcome,
     ) -> Result<()> {
         let key = self.key(shot);
         if let Some(entry) = folder.kept(index, &shot.name, &key) {

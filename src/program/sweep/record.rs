@@ -7,7 +7,7 @@ use crate::spectrum::WavelengthGrid;
 
 /// The light of a region that the script names.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
+pub struct RegionReading {
     /// Where it was read.
     pub region: Region,
     /// Wavelengths of the bands.
@@ -18,7 +18,7 @@ pub struct Reading {
     pub xyz: Xyz,
 }
 
-impl Reading {
+impl RegionReading {
     /// Errors: a region that leaves the image.
     pub fn of(image: &SpectralImage, region: Region) -> Result<Self> {
         let bands = image.mean_bands(region)?;

@@ -14,7 +14,7 @@ use glam::DVec3;
 
 pub use fit::fitted_shape;
 pub use shape::Shape;
-pub use table::{RadianceTable, Reading};
+pub use table::{RadianceTable, TableRadiance};
 
 use super::sequence::EvenSequence;
 use crate::error::{Error, Result};

@@ -11,16 +11,47 @@ use crate::geometry::mesh::Shading;
 
 /// A surface in the ray set's own coordinates. Lengths in mm, directions unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[allow(missing_docs)] // a field says what it is
 pub enum Shape {
     /// The side of a cylinder about `center`, without its ends.
-    Cylinder { center: DVec3, axis: DVec3, radius_mm: f64, length_mm: f64 },
+    Cylinder {
+        /// Middle of the axis.
+        center: DVec3,
+        /// Direction of the axis.
+        axis: DVec3,
+        /// Distance of the side from the axis.
+        radius_mm: f64,
+        /// From end to end.
+        length_mm: f64,
+    },
     /// A sphere.
-    Sphere { center: DVec3, radius_mm: f64 },
+    Sphere {
+        /// Its middle.
+        center: DVec3,
+        /// Distance of the surface from it.
+        radius_mm: f64,
+    },
     /// A disc that shines to the side of its normal.
-    Disc { center: DVec3, normal: DVec3, radius_mm: f64 },
-    /// A rectangle that shines to the side of its normal; `across` is along its width.
-    Rectangle { center: DVec3, normal: DVec3, across: DVec3, width_mm: f64, height_mm: f64 },
+    Disc {
+        /// Its middle.
+        center: DVec3,
+        /// Toward the side that shines.
+        normal: DVec3,
+        /// Distance of the rim from the middle.
+        radius_mm: f64,
+    },
+    /// A rectangle that shines to the side of its normal.
+    Rectangle {
+        /// Its middle.
+        center: DVec3,
+        /// Toward the side that shines.
+        normal: DVec3,
+        /// Along its width, perpendicular to the normal.
+        across: DVec3,
+        /// Side along `across`.
+        width_mm: f64,
+        /// The other side.
+        height_mm: f64,
+    },
 }
 
 /// A place on a surface: coordinates of equal area in 0 to 1, and the frame there.

@@ -32,7 +32,7 @@ pub struct RadianceTable {
 
 /// What a table says about a place and direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reading {
+pub struct TableRadiance {
     /// L for a flux of 1, mm⁻² sr⁻¹.
     pub radiance: f64,
     /// Its standard error from the number of rays.
@@ -91,10 +91,10 @@ impl RadianceTable {
     }
 
     /// Radiance from a point of the surface into a unit direction; 0 behind it.
-    pub fn at(&self, point: DVec3, direction: DVec3) -> Reading {
+    pub fn at(&self, point: DVec3, direction: DVec3) -> TableRadiance {
         match phase(&self.shape.place_of(point), direction) {
             Some(phase) => self.read(phase),
-            None => Reading { radiance: 0.0, sigma: 0.0 },
+            None => TableRadiance { radiance: 0.0, sigma: 0.0 },
         }
     }
 
@@ -105,13 +105,13 @@ impl RadianceTable {
     }
 
     /// Radiance of every cell with its error: the middle's place, its direction, the reading.
-    pub fn cell_readings(&self) -> impl Iterator<Item = (DVec3, DVec3, Reading)> + '_ {
+    pub fn cell_readings(&self) -> impl Iterator<Item = (DVec3, DVec3, TableRadiance)> + '_ {
         (0..self.share.len()).map(|index| {
             let phase = self.middle(index);
             let (point, direction) = self.place_and_direction(phase);
             let unit = self.per_share();
             let sigma = self.variance[index].sqrt() * unit;
-            (point, direction, Reading { radiance: self.share[index] * unit, sigma })
+            (point, direction, TableRadiance { radiance: self.share[index] * unit, sigma })
         })
     }
 
@@ -130,7 +130,7 @@ impl RadianceTable {
         })
     }
 
-    /// Of a pixel's two coordinates, the mean over the other two.
+    /// Radiance by a pixel's two coordinates: the mean over the other two.
     fn means(&self, side: usize, phase: impl Fn([f64; 2], [f64; 2]) -> Option<Phase>) -> Vec<f64> {
         const MEANS: usize = 12;
         let at = |i: usize, of: usize| (i as f64 + 0.5) / of as f64;
@@ -152,7 +152,7 @@ impl RadianceTable {
         axis == 3 || (axis == 0 && self.shape.is_round())
     }
 
-    fn read(&self, phase: Phase) -> Reading {
+    fn read(&self, phase: Phase) -> TableRadiance {
         let sides: [[(usize, f64); 2]; 4] =
             std::array::from_fn(|axis| self.neighbors(axis, phase[axis]));
         let (mut share, mut variance) = (0.0, 0.0);
@@ -165,7 +165,7 @@ impl RadianceTable {
             variance += weight * weight * self.variance[index];
         }
         let unit = self.per_share();
-        Reading { radiance: share * unit, sigma: variance.sqrt() * unit }
+        TableRadiance { radiance: share * unit, sigma: variance.sqrt() * unit }
     }
 
     /// The two cells whose middles a coordinate lies between, with weights.

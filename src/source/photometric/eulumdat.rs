@@ -1,7 +1,7 @@
 //! EULUMDAT: one value a line, in a fixed order.
 
 use super::solid::{AngleType, Solid, Symmetry};
-use super::{Fault, Parts, PhotometricFormat};
+use super::{PhotometricFault, PhotometricFormat, PhotometricParts};
 
 /// Lines (from 1) of the header that are used.
 mod line {
@@ -49,17 +49,17 @@ fn number(text: &str) -> Option<f64> {
     text.trim().replace(',', ".").parse::<f64>().ok().filter(|number| number.is_finite())
 }
 
-struct Lines<'a>(Vec<&'a str>);
+struct EulumdatLines<'a>(Vec<&'a str>);
 
-impl Lines<'_> {
-    fn number(&self, at: usize, what: &str) -> Result<f64, Fault> {
+impl EulumdatLines<'_> {
+    fn number(&self, at: usize, what: &str) -> Result<f64, PhotometricFault> {
         let Some(text) = self.0.get(at - 1) else {
             return Err((self.0.len() as u64, format!("the file ends before {what}")));
         };
         number(text).ok_or_else(|| (at as u64, format!("{what} is \"{text}\", expected a number")))
     }
 
-    fn count(&self, at: usize, what: &str, most: usize) -> Result<usize, Fault> {
+    fn count(&self, at: usize, what: &str, most: usize) -> Result<usize, PhotometricFault> {
         let number = self.number(at, what)?;
         if number.fract() == 0.0 && (1.0..=most as f64).contains(&number) {
             return Ok(number as usize);
@@ -67,16 +67,16 @@ impl Lines<'_> {
         Err((at as u64, format!("{what} is {number}, allowed: whole numbers, 1 to {most}")))
     }
 
-    fn list(&self, from: usize, count: usize, what: &str) -> Result<Vec<f64>, Fault> {
+    fn list(&self, from: usize, count: usize, what: &str) -> Result<Vec<f64>, PhotometricFault> {
         (from..from + count).map(|at| self.number(at, what)).collect()
     }
 }
 
-pub(super) fn read(text: &str) -> Result<Parts, Fault> {
+pub(super) fn read(text: &str) -> Result<PhotometricParts, PhotometricFault> {
     if !is_eulumdat(text) {
         return Err((0, "neither an IES LM-63 nor a EULUMDAT file".to_owned()));
     }
-    let lines = Lines(text.lines().map(str::trim).collect());
+    let lines = EulumdatLines(text.lines().map(str::trim).collect());
     let code = lines.number(line::SYMMETRY, "the symmetry")?;
     let planes = lines.count(line::PLANES, "the number of C planes", MOST_ANGLES)?;
     let tilts = lines.count(line::TILTS, "the number of γ angles", MOST_ANGLES)?;
@@ -99,7 +99,7 @@ pub(super) fn read(text: &str) -> Result<Parts, Fault> {
     let opening = [line::OPENING_LENGTH, line::OPENING_WIDTH];
     let opening_mm = opening.iter().filter_map(|&at| number(lines.0.get(at - 1)?));
     let warnings = (sets > 1).then(|| format!("the first of {sets} sets of lamps counts"));
-    Ok(Parts {
+    Ok(PhotometricParts {
         format: PhotometricFormat::Eulumdat,
         solid: solid.map_err(|what| (first_plane as u64, what))?,
         lamp_flux_lm: (flux_lm > 0.0).then_some(flux_lm),

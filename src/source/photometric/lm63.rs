@@ -1,7 +1,7 @@
 //! IES LM-63: keywords, then numbers in free form.
 
 use super::solid::{AngleType, Solid, Symmetry};
-use super::{Fault, Parts, PhotometricFormat};
+use super::{PhotometricFault, PhotometricFormat, PhotometricParts};
 
 const MM_PER_FOOT: f64 = 304.8;
 const MM_PER_METER: f64 = 1000.0;
@@ -13,14 +13,14 @@ pub(super) fn is_lm63(text: &str) -> bool {
 }
 
 /// Numbers with the lines that they stand in, taken one by one.
-struct Numbers<'a> {
+struct NumberReader<'a> {
     cells: Box<dyn Iterator<Item = (u64, &'a str)> + 'a>,
     line: u64,
     /// Bytes left, an upper bound of what a count may ask for.
     bytes: usize,
 }
 
-impl<'a> Numbers<'a> {
+impl<'a> NumberReader<'a> {
     fn after(text: &'a str, lines: usize) -> Self {
         let rows = (1..).zip(text.lines()).skip(lines);
         let cells = rows.flat_map(|(line, row)| {
@@ -30,7 +30,7 @@ impl<'a> Numbers<'a> {
         Self { cells: Box::new(cells), line: lines as u64, bytes: text.len() }
     }
 
-    fn next(&mut self, what: &str) -> Result<f64, Fault> {
+    fn next(&mut self, what: &str) -> Result<f64, PhotometricFault> {
         let Some((line, cell)) = self.cells.next() else {
             return Err((self.line, format!("the file ends before {what}")));
         };
@@ -39,7 +39,7 @@ impl<'a> Numbers<'a> {
         number.ok_or_else(|| (line, format!("{what} is \"{cell}\", expected a number")))
     }
 
-    fn count(&mut self, what: &str) -> Result<usize, Fault> {
+    fn count(&mut self, what: &str) -> Result<usize, PhotometricFault> {
         let number = self.next(what)?;
         if number >= 1.0 && number.fract() == 0.0 && number <= self.bytes as f64 {
             return Ok(number as usize);
@@ -47,16 +47,16 @@ impl<'a> Numbers<'a> {
         Err((self.line, format!("{what} is {number}, allowed: whole numbers from 1 on")))
     }
 
-    fn list(&mut self, count: usize, what: &str) -> Result<Vec<f64>, Fault> {
+    fn list(&mut self, count: usize, what: &str) -> Result<Vec<f64>, PhotometricFault> {
         (0..count).map(|_| self.next(what)).collect()
     }
 }
 
-pub(super) fn read(text: &str) -> Result<Parts, Fault> {
+pub(super) fn read(text: &str) -> Result<PhotometricParts, PhotometricFault> {
     let tilt = text.lines().position(|line| line.trim_start().starts_with("TILT="));
     let tilt = tilt.ok_or((0, "no line \"TILT=\"".to_owned()))?;
     let mut warnings = Vec::new();
-    let mut numbers = Numbers::after(text, tilt + 1);
+    let mut numbers = NumberReader::after(text, tilt + 1);
     let value =
         text.lines().nth(tilt).and_then(|line| line.split_once('=')).map_or("", |(_, v)| v.trim());
     if value.eq_ignore_ascii_case("INCLUDE") {
@@ -89,7 +89,7 @@ pub(super) fn read(text: &str) -> Result<Parts, Fault> {
     values.iter_mut().for_each(|value| *value *= factor);
     let symmetry = symmetry(angles, &planes_deg).map_err(|what| (line_of_angles, what))?;
     let solid = Solid::new(angles, symmetry, planes_deg, tilts_deg, values);
-    Ok(Parts {
+    Ok(PhotometricParts {
         format: PhotometricFormat::Lm63,
         solid: solid.map_err(|what| (line_of_angles, what))?,
         lamp_flux_lm: (lumens > 0.0).then_some(lamps * lumens),

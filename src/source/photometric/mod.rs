@@ -88,7 +88,7 @@ pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<PhotometricFile> {
     }
     let text = columns::text_of(path, bytes)?;
     let read = if lm63::is_lm63(&text) { lm63::read(&text) } else { eulumdat::read(&text) };
-    let Parts { format, solid, lamp_flux_lm, opening_mm, description, warnings } =
+    let PhotometricParts { format, solid, lamp_flux_lm, opening_mm, description, warnings } =
         read.map_err(|(line, what)| bad(line, what))?;
     if solid.flux_lm() <= 0.0 {
         return Err(bad(0, "the lamp gives no light in any direction".to_owned()));
@@ -98,7 +98,7 @@ pub fn from_bytes(path: &Path, bytes: Vec<u8>) -> Result<PhotometricFile> {
 }
 
 /// What a reader finds.
-struct Parts {
+struct PhotometricParts {
     format: PhotometricFormat,
     solid: Solid,
     lamp_flux_lm: Option<f64>,
@@ -108,12 +108,12 @@ struct Parts {
 }
 
 /// Line (0 for the file) and what is wrong.
-type Fault = (u64, String);
+type PhotometricFault = (u64, String);
 
 /// How a far-field source is sampled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FarField {
-    /// Of the disc about the origin on which rays start, facing +Z, mm; 0 is a point.
+    /// Radius of the disc about the origin on which rays start, facing +Z, mm; 0 is a point.
     pub radius_mm: f64,
     /// How many rays.
     pub samples: usize,

@@ -32,9 +32,9 @@ pub(super) enum Symmetry {
     Rotation,
     /// Planes at opposite angles are alike: those of 0° to 180° (or 0° to 90° of type A) are there.
     Mirrored,
-    /// Of type C: planes mirrored at 90° are alike, those of −90° to 90° are there.
+    /// Type C: planes mirrored at 90° are alike, those of −90° to 90° are there.
     MirroredAtSide,
-    /// Of type C: both; those of 0° to 90° are there.
+    /// Type C: both mirrors; planes of 0° to 90° are there.
     Quadrants,
 }
 
@@ -43,7 +43,7 @@ pub(super) enum Symmetry {
 pub struct Solid {
     angles: AngleType,
     symmetry: Symmetry,
-    /// Of planes (type C) or turns (A, B), degrees, ascending; no less than one.
+    /// Angles of the planes (type C) or turns (A, B), degrees, ascending; no less than one.
     planes_deg: Vec<f64>,
     /// Within a plane, degrees, ascending; no less than two.
     tilts_deg: Vec<f64>,
@@ -133,8 +133,8 @@ impl Solid {
     }
 
     /// For drawing directions.
-    pub(super) fn sampler(&self) -> Sampler<'_> {
-        Sampler::new(self)
+    pub(super) fn sampler(&self) -> DirectionSampler<'_> {
+        DirectionSampler::new(self)
     }
 
     /// Planes and tilts at the edges of the cells over all directions, degrees.
@@ -228,16 +228,16 @@ pub(super) fn direction(angles: AngleType, plane_deg: f64, tilt_deg: f64) -> DVe
 }
 
 /// Draws directions in proportion to intensity.
-pub(super) struct Sampler<'a> {
+pub(super) struct DirectionSampler<'a> {
     solid: &'a Solid,
     planes_deg: Vec<f64>,
-    /// Of tilts: what solid angle is even in.
+    /// Heights of the tilts, in which solid angle is even.
     heights: Vec<f64>,
     /// Σ of the cells' flux, cell by cell, lm.
     sums: Vec<f64>,
 }
 
-impl<'a> Sampler<'a> {
+impl<'a> DirectionSampler<'a> {
     fn new(solid: &'a Solid) -> Self {
         let [planes_deg, tilts_deg] = solid.edges();
         let cut = |edges: &[f64]| -> Vec<f64> {

@@ -1,6 +1,6 @@
 //! ASAP `.dis`: five header records of seven words, then seven words a ray, in either byte order.
 
-use super::binary::{Block, ByteOrder};
+use super::binary::{ByteOrder, RayBlock};
 use super::input::Input;
 use super::record::Layout;
 use super::{FluxUnit, Format, Parsed, Warning};
@@ -47,7 +47,7 @@ pub(super) fn read(input: &mut Input) -> Result<Parsed> {
     let layout = Layout { mm_per_unit: mm_per_unit.unwrap_or(1.0), ..Layout::seven_columns() };
     let unit = FluxUnit::Unstated;
     let rays = u64::from(count.unsigned_abs());
-    let rays = Block { layout: &layout, unit, rays, order }.read(input, 0)?;
+    let rays = RayBlock { layout: &layout, unit, rays, order }.read(input, 0)?;
     let mut parsed = Parsed::new(Format::Asap, rays, unit);
     if mm_per_unit.is_none() {
         parsed.warnings.push(Warning::UnstatedLengthUnit);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::input::Input;
-use super::record::{Flaw, Layout, Record, check_stray};
+use super::record::{Flaw, Layout, RayRecord, check_stray};
 use super::spectral::Tally;
 use super::{FluxUnit, Rays};
 use crate::error::{Place, Result};
@@ -24,14 +24,14 @@ pub(super) enum ByteOrder {
 }
 
 /// Where the rays of a binary file are and what they mean.
-pub(super) struct Block<'a> {
+pub(super) struct RayBlock<'a> {
     pub layout: &'a Layout,
     pub unit: FluxUnit,
     pub rays: u64,
     pub order: ByteOrder,
 }
 
-impl Block<'_> {
+impl RayBlock<'_> {
     /// Reads the block from where `input` stands.
     ///
     /// Errors: a block that is not exactly what is left before `trailer_bytes`, and the first
@@ -130,7 +130,7 @@ impl Block<'_> {
         let (rows, _) = words.as_chunks::<7>();
         for (index, (sample, row)) in (0..).zip(samples.iter_mut().zip(rows)) {
             let [x, y, z, dx, dy, dz, flux] = row.map(f32::from_le_bytes);
-            *sample = match Record::new([x, y, z], [dx, dy, dz], flux) {
+            *sample = match RayRecord::new([x, y, z], [dx, dy, dz], flux) {
                 Ok(record) => tally.add_untagged(&record),
                 Err(flaw) => stray(&mut tally, index, flaw)?,
             };

@@ -4,7 +4,7 @@
 //! before the row of names states the total, as other formats' headers do.
 
 use super::input::Input;
-use super::lines::{Lines, MAX_COLUMNS, Separator, Table, decimal_of, number};
+use super::lines::{Lines, MAX_COLUMNS, RowFormat, RowSeparator, decimal_of, number};
 use super::record::Layout;
 use super::spectral::Tag;
 use super::{FileSpectrum, FluxUnit, Format, Parsed, known};
@@ -17,10 +17,10 @@ pub(super) const FLUX_COMMENT: &str = "# flux_lm = ";
 
 /// What the row of names says.
 #[derive(Debug)]
-struct Names {
+struct CsvHeader {
     layout: Layout,
     unit: FluxUnit,
-    separator: Separator,
+    separator: RowSeparator,
 }
 
 /// Whether a line names the columns.
@@ -40,11 +40,11 @@ fn axis(names: &[&str], to: [&str; 2]) -> Vec<String> {
     names.iter().map(|name| name.replace('x', to[0]).replace('l', to[1])).collect()
 }
 
-fn names(line: &[u8]) -> Option<Names> {
+fn names(line: &[u8]) -> Option<CsvHeader> {
     let line = std::str::from_utf8(line).ok()?;
     let separator = match [';', '\t', ','].into_iter().find(|&mark| line.contains(mark)) {
-        Some(mark) => Separator::Byte(mark as u8),
-        None => Separator::Blank,
+        Some(mark) => RowSeparator::Byte(mark as u8),
+        None => RowSeparator::Blank,
     };
     let cells: Vec<Column> = separator
         .split(line.as_bytes())
@@ -84,8 +84,8 @@ fn names(line: &[u8]) -> Option<Names> {
     };
     let unit = if is_watt { FluxUnit::Watt } else { FluxUnit::Lumen };
     // Rows parted by blanks are the plain text of LED makers, unless a wavelength is named.
-    let is_named = separator != Separator::Blank || wavelength.is_some();
-    (is_named && cells.len() <= MAX_COLUMNS).then_some(Names { layout, unit, separator })
+    let is_named = separator != RowSeparator::Blank || wavelength.is_some();
+    (is_named && cells.len() <= MAX_COLUMNS).then_some(CsvHeader { layout, unit, separator })
 }
 
 /// A column's name, and the unit behind or in brackets.
@@ -129,11 +129,12 @@ const UNITS: [&str; 10] = ["mm", "m", "cm", "lm", "w", "nm", "um", "µm", "watt"
 pub(super) fn read(input: &mut Input) -> Result<Parsed> {
     let mut lines = Lines::new(input);
     let (names, header_flux) = read_header(&mut lines)?;
-    let Names { layout, unit, separator } = names;
+    let CsvHeader { layout, unit, separator } = names;
     let decimal = lines
         .peek_content()?
         .map_or_else(|| decimal_of(separator, b""), |row| decimal_of(separator, row));
-    let rays = lines.read_rows(&Table { layout: &layout, unit, separator, decimal, end: None })?;
+    let rays =
+        lines.read_rows(&RowFormat { layout: &layout, unit, separator, decimal, end: None })?;
     let mut parsed = Parsed { header_flux, ..Parsed::new(Format::Csv, rays, unit) };
     if matches!(layout.tag, Tag::Wavelength { .. }) {
         parsed.spectrum = FileSpectrum::PerRay;
@@ -142,7 +143,7 @@ pub(super) fn read(input: &mut Input) -> Result<Parsed> {
 }
 
 /// Steps over the row of names; the flux that a comment states.
-fn read_header(lines: &mut Lines) -> Result<(Names, Option<f64>)> {
+fn read_header(lines: &mut Lines) -> Result<(CsvHeader, Option<f64>)> {
     let mut flux = None;
     loop {
         match lines.peek()? {

@@ -3,9 +3,9 @@
 //! The rays' flux is relative and scaled to the header's total. Polarized records of version 3 are
 //! wider than anything published says, and refused by their size.
 
-use super::binary::{Block, ByteOrder};
+use super::binary::{ByteOrder, RayBlock};
 use super::input::{Header, Input};
-use super::lines::{Lines, Separator, Table as TextTable};
+use super::lines::{Lines, RowFormat, RowSeparator};
 use super::record::Layout;
 use super::spectral::Tag;
 use super::{FileSpectrum, FluxUnit, Format, Parsed, Warning, known};
@@ -35,7 +35,7 @@ enum Color {
 
 /// What both encodings state.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Statement {
+struct Heading {
     unit: FluxUnit,
     far_field: bool,
     color: Color,
@@ -45,7 +45,7 @@ struct Statement {
     flux: Option<f64>,
 }
 
-impl Statement {
+impl Heading {
     fn layout(&self) -> Layout {
         let direction = if self.far_field { 0 } else { 3 };
         let first = direction + 3;
@@ -103,7 +103,7 @@ pub(super) fn read_binary(input: &mut Input) -> Result<Parsed> {
             input.bytes_left()
         )));
     };
-    let block = Block { layout: &layout, unit: statement.unit, rays, order: ByteOrder::Little };
+    let block = RayBlock { layout: &layout, unit: statement.unit, rays, order: ByteOrder::Little };
     let rays = block.read(input, trailer_bytes)?;
     if input.take(trailer_bytes, "the end mark")? != TRAILER {
         return Err(input.bad("the file does not end with \"LTRFEND\""));
@@ -113,7 +113,7 @@ pub(super) fn read_binary(input: &mut Input) -> Result<Parsed> {
     Ok(parsed)
 }
 
-fn binary_statement(input: &Input, header: &Header) -> Result<Statement> {
+fn binary_statement(input: &Input, header: &Header) -> Result<Heading> {
     let bad = |what: &str, found: u32, allowed: &str| {
         Err(input.bad(format!("{what} {found}, allowed: {allowed}")))
     };
@@ -146,7 +146,7 @@ fn binary_statement(input: &Input, header: &Header) -> Result<Statement> {
     };
     let origin = [0, 4, 8].map(|i| f64::from(header.f32(offset::ORIGIN + i)));
     let flux = known(header.f32(offset::FLUX));
-    Ok(Statement { unit, far_field, color, mm_per_unit, origin, flux })
+    Ok(Heading { unit, far_field, color, mm_per_unit, origin, flux })
 }
 
 const START: &[u8] = b"lt_startofdata";
@@ -164,10 +164,10 @@ pub(super) fn read_ascii(input: &mut Input) -> Result<Parsed> {
     let mut lines = Lines::new(input);
     let (statement, name) = ascii_statement(&mut lines)?;
     let layout = statement.layout();
-    let rays = lines.read_rows(&TextTable {
+    let rays = lines.read_rows(&RowFormat {
         layout: &layout,
         unit: statement.unit,
-        separator: Separator::Blank,
+        separator: RowSeparator::Blank,
         decimal: DecimalMark::Point,
         end: Some(END),
     })?;
@@ -178,9 +178,9 @@ pub(super) fn read_ascii(input: &mut Input) -> Result<Parsed> {
 }
 
 /// The lines up to the start of the data: what they state, and the data's name.
-fn ascii_statement(lines: &mut Lines) -> Result<(Statement, String)> {
+fn ascii_statement(lines: &mut Lines) -> Result<(Heading, String)> {
     let mut name = String::new();
-    let mut statement = Statement {
+    let mut statement = Heading {
         unit: FluxUnit::Unstated,
         far_field: false,
         color: Color::None,
@@ -209,7 +209,7 @@ fn ascii_statement(lines: &mut Lines) -> Result<(Statement, String)> {
     }
 }
 
-impl Statement {
+impl Heading {
     /// Takes in a header line; `None` if its value is not known. Other keys change nothing.
     fn state(&mut self, key: &str, word: &str) -> Option<()> {
         match key {

@@ -32,13 +32,13 @@ pub(super) const MAX_COLUMNS: usize = 16;
 const FEWEST_COLUMNS: usize = 4;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Separator {
+pub(super) enum RowSeparator {
     /// Runs of blanks and tabs.
     Blank,
     Byte(u8),
 }
 
-impl Separator {
+impl RowSeparator {
     /// The separator that a row uses.
     pub fn of(line: &[u8]) -> Self {
         let words = || line.split(u8::is_ascii_whitespace).filter(|cell| !cell.is_empty());
@@ -63,10 +63,10 @@ impl Separator {
 }
 
 /// How the rows of a text file read.
-pub(super) struct Table<'a> {
+pub(super) struct RowFormat<'a> {
     pub layout: &'a Layout,
     pub unit: FluxUnit,
-    pub separator: Separator,
+    pub separator: RowSeparator,
     pub decimal: DecimalMark,
     /// The line that ends the rows, where the format has one.
     pub end: Option<&'static str>,
@@ -137,7 +137,7 @@ impl<'i, 'a> Lines<'i, 'a> {
     /// Reads rows to the end marker, or to the end of the file.
     ///
     /// Errors: the first line that is not a row, and a missing end marker.
-    pub fn read_rows(mut self, table: &Table) -> Result<Rays> {
+    pub fn read_rows(mut self, table: &RowFormat) -> Result<Rays> {
         let mut segments = Segments::default();
         let mut tally = Tally::default();
         loop {
@@ -148,7 +148,7 @@ impl<'i, 'a> Lines<'i, 'a> {
                 (false, Some(end)) => end + 1,
                 (false, None) => 0,
             };
-            let pieces: Vec<Piece> = split_at_lines(&rest[..whole])
+            let pieces: Vec<RowPiece> = split_at_lines(&rest[..whole])
                 .into_par_iter()
                 .map(|text| table.parse(text))
                 .collect();
@@ -205,7 +205,7 @@ fn split_at_lines(mut text: &[u8]) -> Vec<&[u8]> {
 }
 
 #[derive(Default)]
-struct Piece {
+struct RowPiece {
     samples: Vec<RaySample>,
     tally: Tally,
     /// Lines before the one that stopped it, or all.
@@ -219,9 +219,9 @@ enum Stop {
     Fault(String),
 }
 
-impl Table<'_> {
-    fn parse(&self, text: &[u8]) -> Piece {
-        let mut piece = Piece::default();
+impl RowFormat<'_> {
+    fn parse(&self, text: &[u8]) -> RowPiece {
+        let mut piece = RowPiece::default();
         for line in text.split_inclusive(|&b| b == b'\n').map(<[u8]>::trim_ascii) {
             if !is_skipped(line) {
                 match self.parse_line(line, &mut piece.tally) {
@@ -267,9 +267,9 @@ impl Table<'_> {
 }
 
 /// The decimal mark of a row: commas, where they do not part its cells and no cell has a point.
-pub(super) fn decimal_of(separator: Separator, row: &[u8]) -> DecimalMark {
+pub(super) fn decimal_of(separator: RowSeparator, row: &[u8]) -> DecimalMark {
     let is_comma =
-        separator != Separator::Byte(b',') && row.contains(&b',') && !row.contains(&b'.');
+        separator != RowSeparator::Byte(b',') && row.contains(&b',') && !row.contains(&b'.');
     if is_comma { DecimalMark::Comma } else { DecimalMark::Point }
 }
 

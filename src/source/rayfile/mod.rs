@@ -25,23 +25,32 @@ use std::sync::Arc;
 pub use self::save::{SaveFormat, writer};
 
 use self::input::Input;
-use self::spectral::{Table, Tally, luminous_efficacy};
+use self::spectral::{SpectralTable, Tally, luminous_efficacy};
 use crate::columns;
 use crate::error::{Error, Place, Result};
 use crate::light::{RaySample, RaySet};
 use crate::spectrum::Spectrum;
 
+/// Kinds of ray files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
+    /// ASAP, binary.
     Asap,
+    /// Text with a first line that names its columns.
     Csv,
+    /// LightTools, text.
     LightToolsAscii,
+    /// LightTools, binary.
     LightToolsBinary,
     /// Text without names of its columns.
     Columns,
+    /// Speos, binary.
     Speos,
+    /// IES TM-25.
     Tm25,
+    /// Zemax, binary.
     ZemaxBinary,
+    /// Zemax, text.
     ZemaxText,
 }
 
@@ -64,7 +73,9 @@ impl std::fmt::Display for Format {
 /// What a file's flux is in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FluxUnit {
+    /// Luminous flux.
     Lumen,
+    /// Radiant flux.
     Watt,
     /// The format has no word for it; taken as lm, with a warning.
     Unstated,
@@ -83,20 +94,25 @@ impl std::fmt::Display for FluxUnit {
 /// What a file says about the spectrum.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SpectrumSource {
+    /// Nothing.
     None,
     /// One wavelength for all rays, nm.
     Line {
+        /// Wavelength, nm.
         nm: f64,
     },
     /// A wavelength a ray, nm: their mean, weighted by radiant flux, stands for all.
     PerRay {
+        /// Least wavelength of a ray, nm.
         min_nm: f64,
+        /// Largest wavelength of a ray, nm.
         max_nm: f64,
     },
     /// One table for all rays.
     Table,
     /// A table a ray: their mean, weighted by radiant flux, stands for all.
     Mixture {
+        /// How many tables.
         tables: usize,
     },
 }
@@ -105,21 +121,47 @@ pub enum SpectrumSource {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Warning {
     /// The sum of the rays was rescaled to the header's flux.
-    HeaderFlux { header: f64, sum: f64, unit: FluxUnit },
+    HeaderFlux {
+        /// What the header says, in `unit`.
+        header: f64,
+        /// Sum of the rays' flux, in `unit`.
+        sum: f64,
+        /// What both are in.
+        unit: FluxUnit,
+    },
     /// The file does not say what its flux is in; taken as lm.
     UnstatedUnit,
     /// The file does not say what its lengths are in; taken as mm.
     UnstatedLengthUnit,
     /// The header's origin in the model that wrote the file; start points stay as they are.
-    OriginNotApplied { origin: [f64; 3] },
+    OriginNotApplied {
+        /// As the header has it, in the file's unit.
+        origin: [f64; 3],
+    },
     /// Rays outside of 380 to 780 nm, which make no light.
-    InvisibleRays { rays: u64 },
+    InvisibleRays {
+        /// How many.
+        rays: u64,
+    },
     /// Records without a direction, with a negative flux or the like were left out.
-    RaysDropped { rays: u64, flaw: String },
+    RaysDropped {
+        /// How many.
+        rays: u64,
+        /// What is wrong with the first one.
+        flaw: String,
+    },
     /// Directions brought to unit length.
-    DirectionsNormalized { rays: u64, largest_error: f64 },
+    DirectionsNormalized {
+        /// How many.
+        rays: u64,
+        /// Largest difference of a length from 1.
+        largest_error: f64,
+    },
     /// A version of the format that was not seen yet, read like the known one.
-    UnknownVersion { found: String },
+    UnknownVersion {
+        /// As the header has it.
+        found: String,
+    },
 }
 
 impl std::fmt::Display for Warning {
@@ -161,10 +203,13 @@ impl std::fmt::Display for Warning {
 /// A ray file's content.
 #[derive(Debug, Clone)]
 pub struct RayFile {
+    /// The file.
     pub path: PathBuf,
+    /// What it was taken for.
     pub format: Format,
     /// In the file's order; flux relative, or in lm where wavelengths or tables made it so.
     pub samples: Arc<[RaySample]>,
+    /// What the rays' flux is in.
     pub flux_unit: FluxUnit,
     /// The header's total in `flux_unit`, where it states one.
     pub header_flux: Option<f64>,
@@ -172,11 +217,13 @@ pub struct RayFile {
     pub flux_sum: f64,
     /// Luminous flux of the set, lm; `None` for watts without a spectrum.
     pub flux_lm: Option<f64>,
+    /// Where `spectrum` is from.
     pub spectrum_source: SpectrumSource,
     /// Relative; `None` if the file has none.
     pub spectrum: Option<Spectrum>,
     /// Name and text of the header's descriptions that are not empty.
     pub description: Vec<(String, String)>,
+    /// What a user should know.
     pub warnings: Vec<Warning>,
 }
 
@@ -279,9 +326,9 @@ struct Rays {
 /// A reader's finding about the spectrum.
 enum FileSpectrum {
     None,
-    Line { table: Table, nm: f64 },
+    Line { table: SpectralTable, nm: f64 },
     PerRay,
-    Table { table: Table },
+    Table { table: SpectralTable },
     Mixture { tables: usize },
 }
 

@@ -95,7 +95,7 @@ pub(super) fn check_stray(
 
 /// A ray as the file has it, in mm and with a unit direction.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Record {
+pub(super) struct RayRecord {
     pub sample: RaySample,
     pub radiant: Option<f32>,
     /// The word at the tag's column.
@@ -104,7 +104,7 @@ pub(super) struct Record {
     pub direction_error: f64,
 }
 
-impl Record {
+impl RayRecord {
     /// Errors: a start point or flux that is not finite, a direction far from unit.
     #[inline(always)]
     pub fn new(position: [f32; 3], direction: [f32; 3], flux: f32) -> Result<Self, Flaw> {
@@ -128,10 +128,10 @@ impl Layout {
 
     /// `word` yields the number in a column.
     #[inline]
-    pub fn record(&self, word: impl Fn(usize) -> f32) -> Result<Record, Flaw> {
+    pub fn record(&self, word: impl Fn(usize) -> f32) -> Result<RayRecord, Flaw> {
         let triple = |first| [word(first), word(first + 1), word(first + 2)];
         let position = self.in_mm(self.position.map_or([0.0; 3], triple));
-        let mut record = Record::new(position, triple(self.direction), word(self.flux))?;
+        let mut record = RayRecord::new(position, triple(self.direction), word(self.flux))?;
         record.radiant = self.radiant.map(&word);
         if let Some(radiant) = record.radiant.filter(|&r| !is_flux(r)) {
             return Err(Flaw::RadiantFlux(radiant));

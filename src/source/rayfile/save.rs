@@ -13,7 +13,9 @@ use crate::spectrum::{Spectrum, WavelengthGrid};
 /// A format that can be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SaveFormat {
+    /// Text whose first line names the columns.
     Csv,
+    /// IES TM-25, binary.
     Tm25,
 }
 

@@ -8,21 +8,21 @@
 use std::sync::Arc;
 
 use super::FluxUnit;
-use super::record::{Flaw, Layout, Record};
+use super::record::{Flaw, Layout, RayRecord};
 use crate::light::RaySample;
 use crate::spectrum::{Spectrum, WavelengthGrid, cie};
 
 const GRID: WavelengthGrid = WavelengthGrid::Step5;
 
 /// Radiant power at the bands of [`GRID`], W, any scale.
-pub(super) type Bands = [f64; WavelengthGrid::MAX_BANDS];
+pub(super) type BandPowers = [f64; WavelengthGrid::MAX_BANDS];
 
 /// What a record says about its own spectrum.
 #[derive(Debug, Clone)]
 pub(super) enum Tag {
     None,
     Wavelength { column: usize, nm_per_unit: f64 },
-    Table { column: usize, tables: Arc<[Table]> },
+    Table { column: usize, tables: Arc<[SpectralTable]> },
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,13 +55,13 @@ impl Tag {
 
 /// A spectral table of a file, for 1 W.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Table {
+pub(super) struct SpectralTable {
     pub spectrum: Spectrum,
     pub lm_per_w: f64,
-    bands: Bands,
+    bands: BandPowers,
 }
 
-impl Table {
+impl SpectralTable {
     /// Errors: `None` if the table carries no power.
     pub fn new(spectrum: Spectrum) -> Option<Self> {
         if let ([lambda_nm], [weight]) = (spectrum.wavelengths_nm(), spectrum.values()) {
@@ -122,7 +122,7 @@ fn integral(spectrum: &Spectrum, weight: impl Fn(f64) -> f64) -> f64 {
 
 /// Shares a power between the two nearest bands, so that its mean wavelength and its lumens by the
 /// table of V(λ), linear between bands, are kept. Returns false outside of 380 to 780 nm.
-fn add_line(bands: &mut Bands, lambda_nm: f64, power: f64) -> bool {
+fn add_line(bands: &mut BandPowers, lambda_nm: f64, power: f64) -> bool {
     let place = (lambda_nm - WavelengthGrid::FIRST_NM) / GRID.step_nm();
     if !(0.0..=(GRID.bands() - 1) as f64).contains(&place) {
         return false;
@@ -135,7 +135,7 @@ fn add_line(bands: &mut Bands, lambda_nm: f64, power: f64) -> bool {
 }
 
 /// Power a band becomes power a nm.
-fn from_bands(bands: &Bands) -> Spectrum {
+fn from_bands(bands: &BandPowers) -> Spectrum {
     let rows = GRID.wavelengths_nm().zip(bands.iter().map(|power| power / GRID.step_nm()));
     Spectrum::from_pairs("bands", rows).unwrap_or_else(|_| Spectrum::constant(0.0))
 }
@@ -149,7 +149,7 @@ pub(super) struct Tally {
     pub flux: f64,
     /// Σ of the samples' flux.
     pub sample_flux: f64,
-    pub bands: Bands,
+    pub bands: BandPowers,
     pub wavelengths_nm: Option<(f64, f64)>,
     /// Rays with a wavelength outside of 380 to 780 nm.
     pub invisible: u64,
@@ -185,7 +185,7 @@ impl Tally {
         &mut self,
         layout: &Layout,
         unit: FluxUnit,
-        record: Record,
+        record: RayRecord,
     ) -> Result<RaySample, Flaw> {
         let mut sample = record.sample;
         match &layout.tag {
@@ -210,13 +210,13 @@ impl Tally {
 
     /// Counts in a record without a spectrum of its own.
     #[inline(always)]
-    pub fn add_untagged(&mut self, record: &Record) -> RaySample {
+    pub fn add_untagged(&mut self, record: &RayRecord) -> RaySample {
         self.count(record, record.sample);
         record.sample
     }
 
     #[inline(always)]
-    fn count(&mut self, record: &Record, sample: RaySample) {
+    fn count(&mut self, record: &RayRecord, sample: RaySample) {
         self.rays += 1;
         self.flux += f64::from(record.sample.flux);
         self.sample_flux += f64::from(sample.flux);
@@ -227,7 +227,13 @@ impl Tally {
     }
 
     /// The ray's watts; turns the sample's flux into lumens if the file's are watts.
-    fn weigh(&self, sample: &mut RaySample, record: &Record, unit: FluxUnit, lm_per_w: f64) -> f64 {
+    fn weigh(
+        &self,
+        sample: &mut RaySample,
+        record: &RayRecord,
+        unit: FluxUnit,
+        lm_per_w: f64,
+    ) -> f64 {
         let stored = f64::from(sample.flux);
         if unit == FluxUnit::Watt {
             sample.flux = (stored * lm_per_w) as f32;
@@ -294,7 +300,7 @@ fn wavelength(stored: f32, nm_per_unit: f64) -> Result<f64, TagFault> {
 
 /// The 1-based index is an i32 by the standard and an f32 in files of the reference program. The
 /// bits tell which: as an f32, an i32 up to the number of tables is a denormal number.
-fn table_of(word: f32, tables: &[Table]) -> Result<&Table, TagFault> {
+fn table_of(word: f32, tables: &[SpectralTable]) -> Result<&SpectralTable, TagFault> {
     let fault = TagFault::Table { found: word, tables: tables.len() };
     let bits = word.to_bits() as usize;
     let index = if (1..=tables.len()).contains(&bits) { bits } else { word as usize };
@@ -314,9 +320,9 @@ mod tests {
 
     #[test]
     fn efficacy_of_a_line_is_683_v() {
-        let line = Table::line(555.0);
+        let line = SpectralTable::line(555.0);
         assert!((line.lm_per_w - 683.0).abs() < 1e-9);
-        assert_eq!(Table::line(900.0).lm_per_w, 0.0);
+        assert_eq!(SpectralTable::line(900.0).lm_per_w, 0.0);
     }
 
     /// ∫ S V of a triangle by a 0.01 nm midpoint sum.
@@ -332,7 +338,7 @@ mod tests {
         let expected = luminous / power;
         // The midpoint sum errs by 1e-4 nm² of curvature, which sits in the kinks at the bands.
         assert!((luminous_efficacy(&s).unwrap() / expected - 1.0).abs() < 1e-7);
-        assert!((Table::new(s).unwrap().lm_per_w / expected - 1.0).abs() < 1e-7);
+        assert!((SpectralTable::new(s).unwrap().lm_per_w / expected - 1.0).abs() < 1e-7);
     }
 
     #[test]
@@ -347,13 +353,13 @@ mod tests {
     #[test]
     fn a_table_without_power_is_none() {
         let dark = Spectrum::from_pairs("t", [(500.0, 0.0), (550.0, 0.0)]).unwrap();
-        assert_eq!(Table::new(dark), None);
+        assert_eq!(SpectralTable::new(dark), None);
     }
 
     #[test]
     fn lines_keep_their_lumens_and_mean_wavelength() {
         for lambda_nm in [380.0, 383.7, 555.0, 612.3, 777.5, 780.0] {
-            let line = Table::line(lambda_nm);
+            let line = SpectralTable::line(lambda_nm);
             let lumens = line.spectrum.luminous_flux(GRID);
             assert!((lumens - line.lm_per_w).abs() <= 1e-9 * line.lm_per_w.max(1e-3));
             let mean: f64 = GRID.wavelengths_nm().zip(line.bands).map(|(l, w)| l * w).sum();
@@ -363,7 +369,7 @@ mod tests {
 
     #[test]
     fn table_index_as_integer_or_float() {
-        let tables = [Table::line(450.0), Table::line(600.0)];
+        let tables = [SpectralTable::line(450.0), SpectralTable::line(600.0)];
         assert_eq!(table_of(2.0, &tables), Ok(&tables[1]));
         assert_eq!(table_of(f32::from_bits(1), &tables), Ok(&tables[0]));
         for bad in [0.0, 3.0, 1.5, -1.0, f32::NAN, f32::INFINITY, f32::from_bits(3)] {

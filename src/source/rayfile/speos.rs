@@ -4,7 +4,7 @@
 //! wavelengths nm. The header's first number is the radiant flux in W, its last the luminous flux
 //! in lm; what the five words between them hold is not published.
 
-use super::binary::{Block, ByteOrder};
+use super::binary::{ByteOrder, RayBlock};
 use super::input::{Header, Input};
 use super::record::Layout;
 use super::spectral::Tag;
@@ -50,7 +50,7 @@ pub(super) fn read(input: &mut Input) -> Result<Parsed> {
     let header = Header(input.take(HEADER_BYTES as u64, "the header")?);
     let rays = input.bytes_left() / RECORD_BYTES as u64;
     let (layout, unit) = (layout(), FluxUnit::Watt);
-    let block = Block { layout: &layout, unit, rays, order: ByteOrder::Little };
+    let block = RayBlock { layout: &layout, unit, rays, order: ByteOrder::Little };
     let mut parsed = Parsed::new(Format::Speos, block.read(input, 0)?, unit);
     parsed.header_flux = known(header.f32(offset::RADIANT_FLUX));
     parsed.header_lm = known(header.f32(offset::LUMINOUS_FLUX));

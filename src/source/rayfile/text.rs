@@ -4,7 +4,7 @@
 //! Lengths are mm, as everywhere among LED makers; the flux has no unit.
 
 use super::input::Input;
-use super::lines::{Lines, Separator, Table, decimal_of, number_with};
+use super::lines::{Lines, RowFormat, RowSeparator, decimal_of, number_with};
 use super::record::Layout;
 use super::spectral::Tag;
 use super::{FileSpectrum, FluxUnit, Format, Parsed};
@@ -12,7 +12,7 @@ use crate::error::Result;
 
 /// Whether a line is a row of numbers, and of how many.
 fn numbers(line: &[u8]) -> Option<usize> {
-    let separator = Separator::of(line);
+    let separator = RowSeparator::of(line);
     let decimal = decimal_of(separator, line);
     let cells = separator.split(line);
     cells.map(|cell| number_with(decimal, cell).map(|_| 1)).sum()
@@ -36,7 +36,7 @@ pub(super) fn read(input: &mut Input) -> Result<Parsed> {
         }
         lines.advance();
     };
-    let separator = Separator::of(&row);
+    let separator = RowSeparator::of(&row);
     let decimal = decimal_of(separator, &row);
     let cells: Vec<f32> = separator.split(&row).filter_map(|c| number_with(decimal, c)).collect();
     let layout = match cells[..] {
@@ -49,7 +49,8 @@ pub(super) fn read(input: &mut Input) -> Result<Parsed> {
         _ => Layout::seven_columns(),
     };
     let unit = FluxUnit::Unstated;
-    let rays = lines.read_rows(&Table { layout: &layout, unit, separator, decimal, end: None })?;
+    let rays =
+        lines.read_rows(&RowFormat { layout: &layout, unit, separator, decimal, end: None })?;
     let mut parsed = Parsed::new(Format::Columns, rays, unit);
     if matches!(layout.tag, Tag::Wavelength { .. }) {
         parsed.spectrum = FileSpectrum::PerRay;

@@ -1,9 +1,9 @@
 //! IES TM-25-13: a header of fixed offsets, spectral tables, names, text, then rows of f32.
 
-use super::binary::{Block, ByteOrder};
+use super::binary::{ByteOrder, RayBlock};
 use super::input::{Header, Input};
 use super::record::Layout;
-use super::spectral::{Table, Tag};
+use super::spectral::{SpectralTable, Tag};
 use super::{FileSpectrum, FluxUnit, Format, Parsed, Warning, known};
 use crate::error::Result;
 use crate::spectrum::Spectrum;
@@ -95,7 +95,7 @@ impl Flags {
 
 /// Column numbers of a record.
 #[derive(Debug, Default)]
-struct Columns {
+struct Tm25Columns {
     radiant: Option<usize>,
     wavelength: Option<usize>,
     luminous: Option<usize>,
@@ -103,7 +103,7 @@ struct Columns {
     count: usize,
 }
 
-impl Columns {
+impl Tm25Columns {
     fn new(flags: Flags, additional: usize) -> Self {
         let mut count = 6;
         let mut next = |present: bool, width: usize| {
@@ -134,7 +134,7 @@ pub(super) fn read(input: &mut Input) -> Result<Parsed> {
     let text_bytes = count(input, &header, offset::TEXT_BYTES, "bytes of additional text")?;
     let text = input.take(text_bytes, "the additional text")?;
 
-    let columns = Columns::new(flags, additional as usize);
+    let columns = Tm25Columns::new(flags, additional as usize);
     let (tag, spectrum) = spectrum_of(input, &header, &columns, tables)?;
     let unit = if flags.luminous { FluxUnit::Lumen } else { FluxUnit::Watt };
     let flux = columns.luminous.or(columns.radiant).unwrap_or_default();
@@ -146,7 +146,7 @@ pub(super) fn read(input: &mut Input) -> Result<Parsed> {
         ..Layout::seven_columns()
     };
     let rays = header.u64(offset::RAYS);
-    let rays = Block { layout: &layout, unit, rays, order: ByteOrder::Little }.read(input, 0)?;
+    let rays = RayBlock { layout: &layout, unit, rays, order: ByteOrder::Little }.read(input, 0)?;
 
     let mut parsed = Parsed::new(Format::Tm25, rays, unit);
     let header_lm = flux_field(input, &header, offset::LUMINOUS_FLUX)?;
@@ -181,7 +181,7 @@ fn flux_field(input: &Input, header: &Header, at: usize) -> Result<Option<f64>> 
     }
 }
 
-fn read_tables(input: &mut Input, header: &Header) -> Result<Vec<Table>> {
+fn read_tables(input: &mut Input, header: &Header) -> Result<Vec<SpectralTable>> {
     let count = count(input, header, offset::TABLES, "spectral tables")?;
     if count > MOST_TABLES {
         return Err(input.bad(format!("{count} spectral tables, allowed: up to {MOST_TABLES}")));
@@ -203,26 +203,26 @@ fn read_tables(input: &mut Input, header: &Header) -> Result<Vec<Table>> {
     Ok(tables)
 }
 
-fn table(input: &Input, what: &str, rows: Vec<(f64, f64)>) -> Result<Table> {
+fn table(input: &Input, what: &str, rows: Vec<(f64, f64)>) -> Result<SpectralTable> {
     if let Some((nm, weight)) = rows.iter().find(|(_, weight)| *weight < 0.0) {
         return Err(input.bad(format!("{what} is {weight} at {nm} nm, allowed: 0 or more")));
     }
     let spectrum = Spectrum::from_pairs(what, rows).map_err(|e| input.bad(e.to_string()))?;
-    Table::new(spectrum).ok_or_else(|| input.bad(format!("{what} carries no power")))
+    SpectralTable::new(spectrum).ok_or_else(|| input.bad(format!("{what} carries no power")))
 }
 
 /// What the rays' tag is, and what the header says for all rays.
 fn spectrum_of(
     input: &Input,
     header: &Header,
-    columns: &Columns,
-    tables: Vec<Table>,
+    columns: &Tm25Columns,
+    tables: Vec<SpectralTable>,
 ) -> Result<(Tag, FileSpectrum)> {
     let radiant = columns.radiant.is_some();
     match header.i32(offset::SPECTRAL_ID) {
         0 => Ok((Tag::None, FileSpectrum::None)),
         1 => match known(header.f32(offset::WAVELENGTHS)) {
-            Some(nm) => Ok((Tag::None, FileSpectrum::Line { table: Table::line(nm), nm })),
+            Some(nm) => Ok((Tag::None, FileSpectrum::Line { table: SpectralTable::line(nm), nm })),
             None => Err(input.bad("spectral identifier 1 without a wavelength")),
         },
         2 => match columns.wavelength {

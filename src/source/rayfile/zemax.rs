@@ -4,11 +4,11 @@
 //! types. The header's flux is used here too, as the total of the rays in their unit, since makers
 //! state it and the rays' sum is often a mere count.
 
-use super::binary::{Block, ByteOrder};
+use super::binary::{ByteOrder, RayBlock};
 use super::input::{Header, Input};
-use super::lines::{Lines, Separator, Table as TextTable, number};
+use super::lines::{Lines, RowFormat, RowSeparator, number};
 use super::record::Layout;
-use super::spectral::{Table, Tag};
+use super::spectral::{SpectralTable, Tag};
 use super::{FileSpectrum, FluxUnit, Format, Parsed, known};
 use crate::columns::DecimalMark;
 use crate::error::Result;
@@ -63,7 +63,7 @@ pub(super) fn read_binary(input: &mut Input) -> Result<Parsed> {
     let layout = if spectral { spectral_layout() } else { Layout::seven_columns() };
     let layout = Layout { mm_per_unit, ..layout };
     let rays = u64::from(header.u32(offset::RAYS));
-    let rays = Block { layout: &layout, unit, rays, order: ByteOrder::Little }.read(input, 0)?;
+    let rays = RayBlock { layout: &layout, unit, rays, order: ByteOrder::Little }.read(input, 0)?;
 
     let mut parsed = Parsed::new(Format::ZemaxBinary, rays, unit);
     parsed.header_flux =
@@ -73,7 +73,7 @@ pub(super) fn read_binary(input: &mut Input) -> Result<Parsed> {
     } else if let (FluxUnit::Watt, Some(um)) = (unit, known(header.f32(offset::WAVELENGTH))) {
         // A photometric file is composite light, whatever its header's wavelength.
         let nm = um * NM_PER_UM;
-        parsed.spectrum = FileSpectrum::Line { table: Table::line(nm), nm };
+        parsed.spectrum = FileSpectrum::Line { table: SpectralTable::line(nm), nm };
     }
     parsed.describe("description", header.text(offset::DESCRIPTION, DESCRIPTION_BYTES));
     Ok(parsed)
@@ -94,11 +94,11 @@ struct TextHeader {
 }
 
 fn text_header(line: &[u8]) -> Option<TextHeader> {
-    let cells: Option<Vec<f32>> = Separator::Blank.split(line).map(number).collect();
+    let cells: Option<Vec<f32>> = RowSeparator::Blank.split(line).map(number).collect();
     let cells = cells?;
     let (&[_, unit], rest) = cells.split_first_chunk::<2>()?;
     // The count may exceed what an f32 holds exactly.
-    let count = Separator::Blank.split(line).next()?;
+    let count = RowSeparator::Blank.split(line).next()?;
     let rays: f64 = std::str::from_utf8(count).ok()?.parse().ok()?;
     let is_header = rays >= 1.0
         && rays.fract() == 0.0
@@ -117,17 +117,17 @@ pub(super) fn read_text(input: &mut Input) -> Result<Parsed> {
         return Err(lines.bad("expected the number of rays and the length unit"));
     };
     lines.advance();
-    let columns = lines.peek_content()?.map_or(0, |line| Separator::Blank.split(line).count());
+    let columns = lines.peek_content()?.map_or(0, |line| RowSeparator::Blank.split(line).count());
     // Seven columns do not say what the flux is in; eight are watts and µm, as in `.SDF`.
     let (layout, unit) = match columns {
         8 => (spectral_layout(), FluxUnit::Watt),
         _ => (Layout::seven_columns(), FluxUnit::Unstated),
     };
     let layout = Layout { mm_per_unit: header.mm_per_unit, ..layout };
-    let table = TextTable {
+    let table = RowFormat {
         layout: &layout,
         unit,
-        separator: Separator::Blank,
+        separator: RowSeparator::Blank,
         decimal: DecimalMark::Point,
         end: None,
     };

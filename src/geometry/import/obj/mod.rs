@@ -5,9 +5,9 @@ mod scanner;
 
 use rayon::prelude::*;
 
-use super::parts::Run;
+use super::parts::PolygonRun;
 use super::polygons::{NONE, Polygons};
-use super::{Contents, Fault, Parsed};
+use super::{Contents, MeshFault, MeshResult};
 use crate::error::Place;
 use crate::geometry::normals::Smoothing;
 use piece::{Counts, NOWHERE, Piece, PieceFault, Statement};
@@ -19,18 +19,18 @@ const PIECE_BYTES: usize = 1 << 18;
 /// Enough for many threads, few enough to stay small.
 const PIECES_AT_ONCE: usize = 32;
 
-pub(super) fn parse(bytes: Vec<u8>) -> Parsed<Contents> {
+pub(super) fn parse(bytes: Vec<u8>) -> MeshResult<Contents> {
     parse_pieces(&bytes, PIECE_BYTES)
 }
 
-pub(super) fn parse_pieces(bytes: &[u8], piece_bytes: usize) -> Parsed<Contents> {
+pub(super) fn parse_pieces(bytes: &[u8], piece_bytes: usize) -> MeshResult<Contents> {
     let starts = starts(bytes, piece_bytes);
     let part = |at: usize| &bytes[starts[at]..starts.get(at + 1).copied().unwrap_or(bytes.len())];
-    let located = |at: usize, fault: PieceFault| Fault {
+    let located = |at: usize, fault: PieceFault| MeshFault {
         place: Place::Line(line_of(bytes, starts[at] + fault.at)),
         problem: fault.problem,
     };
-    let mut whole = Whole::default();
+    let mut whole = ObjContents::default();
     // A few at a time: what they held is used again for the next.
     for first in (0..starts.len()).step_by(PIECES_AT_ONCE) {
         let all = first..starts.len().min(first + PIECES_AT_ONCE);
@@ -42,7 +42,7 @@ pub(super) fn parse_pieces(bytes: &[u8], piece_bytes: usize) -> Parsed<Contents>
     if let Some(at) = whole.wrong_piece() {
         // Once more, to find the line.
         let fault = Piece::parse(part(at), Some((whole.before[at], whole.counts))).err();
-        return Err(fault.map_or_else(|| Fault::file("bad index"), |f| located(at, f)));
+        return Err(fault.map_or_else(|| MeshFault::file("bad index"), |f| located(at, f)));
     }
     Ok(whole.finish())
 }
@@ -68,19 +68,19 @@ fn starts(bytes: &[u8], piece_bytes: usize) -> Vec<usize> {
 
 /// All pieces so far.
 #[derive(Default)]
-struct Whole {
+struct ObjContents {
     polygons: Polygons,
     counts: Counts,
     /// Counts before each piece, and where its corners begin.
     before: Vec<Counts>,
     first_corners: Vec<usize>,
-    run: Option<Run>,
+    run: Option<PolygonRun>,
     free_forms: usize,
 }
 
-impl Whole {
+impl ObjContents {
     /// Errors: more vertices than can be counted.
-    fn add(&mut self, mut piece: Piece) -> Parsed<()> {
+    fn add(&mut self, mut piece: Piece) -> MeshResult<()> {
         let polygons = &mut self.polygons;
         let (first_corner, first_polygon) = (polygons.corners.len(), polygons.ends.len() as u32);
         self.before.push(self.counts);
@@ -89,7 +89,7 @@ impl Whole {
         self.counts = self.counts.after(&piece);
         let most = self.counts.positions.max(self.counts.normals);
         if most.max(first_corner + piece.corners.len()) >= NOWHERE as usize {
-            return Err(Fault::file("has more vertices or corners than can be counted"));
+            return Err(MeshFault::file("has more vertices or corners than can be counted"));
         }
         polygons.positions.append(&mut piece.positions);
         polygons.normals.append(&mut piece.normals);
@@ -132,7 +132,7 @@ impl Whole {
 
     fn note(&mut self, first: u32, statement: Statement) {
         let parts = &mut self.polygons.parts;
-        let mut run = Run { first, ..self.run.unwrap_or(Run::START) };
+        let mut run = PolygonRun { first, ..self.run.unwrap_or(PolygonRun::START) };
         match statement {
             Statement::Group(name) => run.group = Some(parts.groups.number(&name)),
             Statement::Object(name) => run.object = Some(parts.objects.number(name)),
@@ -147,7 +147,7 @@ impl Whole {
         let missing_normals = self.drop_missing_normals();
         let polygons = &mut self.polygons;
         if polygons.parts.runs.first().is_none_or(|run| run.first > 0) {
-            polygons.parts.runs.insert(0, Run::START);
+            polygons.parts.runs.insert(0, PolygonRun::START);
         }
         polygons.finish();
         let mut warnings = Vec::new();

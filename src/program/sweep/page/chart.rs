@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::color::Xyz;
 use crate::color::signal::SignalColor;
 use crate::error::Result;
-use crate::program::figure::{Axis, Chart, Figure, Marks, Panel, Series, figure_svg};
+use crate::program::figure::{Chart, ChartAxis, Figure, Marks, Panel, Series, figure_svg};
 use crate::spectrum::{WavelengthGrid, cie};
 
 /// Line colors of regions, in their order; told apart by people with any color vision (Okabe and
@@ -60,8 +60,11 @@ pub(super) fn spectra(regions: &[(&String, &Value)]) -> Result<String> {
     let range = [WavelengthGrid::FIRST_NM, WavelengthGrid::LAST_NM];
     svg(Chart {
         title: "spectra of the regions".to_owned(),
-        x: Axis { range: Some(range), ..Axis::linear("wavelength (nm)") },
-        y: Axis { range: Some([0.0, 1.05]), ..Axis::linear(&format!("relative to {largest:.3e}")) },
+        x: ChartAxis { range: Some(range), ..ChartAxis::linear("wavelength (nm)") },
+        y: ChartAxis {
+            range: Some([0.0, 1.05]),
+            ..ChartAxis::linear(&format!("relative to {largest:.3e}"))
+        },
         series: series.collect(),
     })
 }
@@ -96,8 +99,8 @@ pub(super) fn chromaticities(regions: &[(&String, &Value)]) -> Result<String> {
     );
     svg(Chart {
         title: "colors, among those of UN R48".to_owned(),
-        x: Axis { range: Some(x), ..Axis::linear("x (CIE 1931)") },
-        y: Axis { range: Some(y), ..Axis::linear("y") },
+        x: ChartAxis { range: Some(x), ..ChartAxis::linear("x (CIE 1931)") },
+        y: ChartAxis { range: Some(y), ..ChartAxis::linear("y") },
         series,
     })
 }
@@ -126,8 +129,8 @@ fn locus() -> Vec<[f64; 2]> {
 pub(super) fn over_angle(label: &str, angle: &str, points: Vec<[f64; 2]>) -> Result<String> {
     svg(Chart {
         title: String::new(),
-        x: Axis::linear(angle),
-        y: Axis::linear(label),
+        x: ChartAxis::linear(angle),
+        y: ChartAxis::linear(label),
         series: vec![Series { marks: Marks::LineAndPoints, ..line(points, [213, 94, 0]) }],
     })
 }
