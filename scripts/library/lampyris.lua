@@ -533,14 +533,14 @@ function Environment:spectrum(azimuth, elevation) end
 
 -- Scene, view, render ---------------------------------------------------------------------------
 
----@class Object
+---@class SceneObject
 ---@field mesh Mesh
 ---@field material Material
 
 ---@class InterreflectionOptions
 
 ---@class SceneOptions
----@field objects Object[]
+---@field objects SceneObject[]
 ---@field lights? Rayset[]  default {}
 ---@field background? Spectrum|number|Environment  0 or more; default 0
 ---@field ambient? Spectrum|number  0 or more; default 0

@@ -39,7 +39,7 @@ pub struct LuaScene(pub Arc<Stage>);
 options! {
     struct SceneOptions {
         objects: Vec<Value> = List {
-            entry: any("Object"),
+            entry: any("SceneObject"),
             expected: "a list of {mesh =, material =}",
             naming: Naming::Key,
         },
