@@ -2,9 +2,9 @@
 
 use super::plan::Quarters;
 use super::{Quality, Samples};
+use crate::color::Photometry;
 use crate::image::difference::lit_luminance;
 use crate::image::{Layer, Metadata, SpectralImage};
-use crate::scene::Scene;
 use crate::view::View;
 
 /// Luminance statistics of a pixel's samples (Welford's recurrence).
@@ -95,7 +95,12 @@ impl Film {
         pixels.flat_map(|pixel| &pixel[place.clone()]).copied().collect()
     }
 
-    pub fn into_image(self, view: &View, quality: &Quality, scene: &Scene) -> SpectralImage {
+    pub fn into_image(
+        self,
+        view: &View,
+        quality: &Quality,
+        (names, photometry): (Vec<String>, Photometry),
+    ) -> SpectralImage {
         let (error, samples) = match quality.samples {
             Samples::Fixed(_) => (None, None),
             Samples::Adaptive { .. } | Samples::Lit { .. } => {
@@ -108,7 +113,6 @@ impl Film {
                 )
             }
         };
-        let names = quality.layers.names(scene.lights.len());
         let layers = (1..).zip(names).map(|(part, name)| Layer { name, bands: self.part(part) });
         let layers = layers.collect();
         SpectralImage {
@@ -117,7 +121,7 @@ impl Film {
             grid: quality.grid,
             bands: if self.parts == 0 { self.spectra } else { self.part(0) },
             layers,
-            photometry: scene.photometry,
+            photometry,
             error,
             samples,
             view: Some(*view),

@@ -125,8 +125,8 @@ pub fn render(
 ) -> Result<(SpectralImage, RenderStats)> {
     let start = Instant::now();
     let tables = prepared.tables(quality.grid)?;
-    let parts = quality.layers.names(prepared.scene.lights.len()).len();
-    let mut film = Film::new(view, quality.grid.bands(), parts);
+    let layers = quality.layers.names(prepared);
+    let mut film = Film::new(view, quality.grid.bands(), layers.len());
     let sampler = Sampler {
         tracer: Tracer { prepared, tables, limits: quality.limits },
         camera: view.camera(),
@@ -154,5 +154,5 @@ pub fn render(
         interreflection_error: prepared.interreflection.and_then(|report| report.relative_error),
         target: None,
     };
-    Ok((film.into_image(view, quality, &prepared.scene), stats))
+    Ok((film.into_image(view, quality, (layers, prepared.scene.photometry)), stats))
 }

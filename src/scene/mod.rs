@@ -98,6 +98,8 @@ pub struct Interreflection {
     pub samples: usize,
     /// The same seed gives the same samples.
     pub seed: u64,
+    /// Keeps what comes of each light apart, for layers; else lights of one spectrum share samples.
+    pub by_light: bool,
 }
 
 /// What interreflection added to a scene.
@@ -177,6 +179,8 @@ pub struct Prepared {
     pub seconds: BuildSeconds,
     /// What `shading::prepare` added for the scene's interreflection.
     pub interreflection: Option<InterreflectionReport>,
+    /// Per light that interreflection added, the light of the scene that it came of; `None`: of several.
+    pub came_of: Vec<Option<usize>>,
     /// Per wavelength grid, resampled when it is first asked for.
     tables: [OnceLock<SpectralTables>; WavelengthGrid::ALL.len()],
 }
@@ -238,6 +242,7 @@ impl Scene {
             surfaces,
             seconds,
             interreflection: None,
+            came_of: Vec::new(),
             tables,
             scene,
         })
@@ -260,15 +265,26 @@ impl Scene {
 const CUT_SHARE: f64 = 0.01;
 
 impl Prepared {
-    /// Adds lights that came of the scene's own.
-    pub fn add_bounced(&mut self, lights: Vec<Light>, report: InterreflectionReport) {
+    /// Adds lights that came of the scene's own, each with the one that it came of, if that is one.
+    pub fn add_bounced(
+        &mut self,
+        bounced: Vec<(Light, Option<usize>)>,
+        report: InterreflectionReport,
+    ) {
+        let (lights, came_of): (Vec<_>, Vec<_>) = bounced.into_iter().unzip();
         let start = Instant::now();
         self.light_trees.par_extend(lights.par_iter().map(|light| LightTree::build(&light.rays)));
         self.scene.lights.extend(lights);
         self.blocks = self.scene.blocks(&self.opaque, &self.emitters);
+        self.came_of = came_of;
         self.interreflection = Some(report);
         self.tables = Default::default();
         self.seconds.light_trees += start.elapsed().as_secs_f64();
+    }
+
+    /// How many of the lights are the scene's own: those before the ones that interreflection added.
+    pub fn own_lights(&self) -> usize {
+        self.scene.lights.len() - self.came_of.len()
     }
 
     /// Whether a light's shadow segments end at an object, or at an emitter behind these.

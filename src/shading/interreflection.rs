@@ -56,7 +56,7 @@ pub fn prepare(scene: Scene) -> Result<Prepared> {
         samples: groups.values().map(|group| group.samples.len()).sum(),
         relative_error: estimated_error(&prepared, &groups),
     };
-    let lights = into_lights(&prepared, groups)?;
+    let lights = into_lights(&prepared, groups, asked.by_light)?;
     prepared.add_bounced(lights, report);
     Ok(prepared)
 }
@@ -300,20 +300,28 @@ impl Follower<'_> {
     }
 }
 
-/// One light for each spectrum.
-fn into_lights(prepared: &Prepared, groups: Groups) -> Result<Vec<Light>> {
+/// One light for each spectrum, or for each spectrum of each light, with the light that it came of.
+fn into_lights(
+    prepared: &Prepared,
+    groups: Groups,
+    by_light: bool,
+) -> Result<Vec<(Light, Option<usize>)>> {
     let weights = &prepared.tables(GRID)?.luminance_weights;
-    let mut merged: Vec<Group> = Vec::new();
-    for group in groups.into_values() {
-        match merged.iter_mut().find(|known| is_same(&known.power, &group.power, weights)) {
-            None => merged.push(group),
-            Some(known) => {
+    let mut merged: Vec<(Group, Option<usize>)> = Vec::new();
+    for ((light, ..), group) in groups {
+        let same = |(known, came_of): &&mut (Group, Option<usize>)| {
+            (!by_light || *came_of == Some(light)) && is_same(&known.power, &group.power, weights)
+        };
+        match merged.iter_mut().find(same) {
+            None => merged.push((group, Some(light))),
+            Some((known, came_of)) => {
                 known.samples.extend(group.samples);
                 known.power.add(&group.power);
+                *came_of = came_of.filter(|of| *of == light);
             }
         }
     }
-    merged.into_iter().map(light_of).collect()
+    merged.into_iter().map(|(group, came_of)| Ok((light_of(group)?, came_of))).collect()
 }
 
 fn is_same(a: &Bands, b: &Bands, weights: &Bands) -> bool {

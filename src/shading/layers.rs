@@ -1,6 +1,7 @@
 //! Where light came from: parts of a picture that add up to it.
 
 use super::walk::RayKind;
+use crate::scene::Prepared;
 use crate::spectrum::Bands;
 
 /// How a picture is parted.
@@ -9,22 +10,29 @@ pub enum Layers {
     /// Not at all.
     #[default]
     None,
-    /// One layer for each light, and one for background and ambient light.
+    /// One layer for each light, with the light that surfaces pass on of it, and one for background
+    /// and ambient light. Light passed on of several lights at once has a layer of its own.
     Lights,
-    /// By the last ray before the light: from the eye, mirrored, transmitted.
+    /// By the last ray before the light: from the eye, mirrored, transmitted. Light that surfaces
+    /// passed on has a layer of its own.
     Paths,
 }
 
 impl Layers {
-    /// Names of the layers of a scene with so many lights, in order.
-    pub fn names(self, lights: usize) -> Vec<String> {
+    /// Names of a scene's layers, in order.
+    pub fn names(self, prepared: &Prepared) -> Vec<String> {
+        let bounced = |there: bool| there.then(|| "bounced".to_owned());
         match self {
             Self::None => Vec::new(),
             Self::Lights => {
-                let names = (1..=lights).map(|light| format!("light {light}"));
-                names.chain(["surroundings".to_owned()]).collect()
+                let lights = (1..=prepared.own_lights()).map(|light| format!("light {light}"));
+                let of_several = bounced(prepared.came_of.contains(&None));
+                lights.chain(of_several).chain(["surroundings".to_owned()]).collect()
             }
-            Self::Paths => ["direct", "mirrored", "transmitted"].map(str::to_owned).to_vec(),
+            Self::Paths => {
+                let kinds = ["direct", "mirrored", "transmitted"].map(str::to_owned);
+                kinds.into_iter().chain(bounced(prepared.interreflection.is_some())).collect()
+            }
         }
     }
 }
@@ -44,8 +52,20 @@ pub struct LayeredSum<'a> {
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Origin {
     Light(usize),
+    /// Passed on by surfaces: of one light, or of several.
+    Bounced(Option<usize>),
     /// Background or ambient light.
     Surroundings,
+}
+
+impl Origin {
+    /// What one of the prepared lights is.
+    pub(super) fn of_light(prepared: &Prepared, light: usize) -> Self {
+        match light.checked_sub(prepared.own_lights()) {
+            None => Self::Light(light),
+            Some(bounced) => Self::Bounced(prepared.came_of[bounced]),
+        }
+    }
 }
 
 impl LayeredSum<'_> {
@@ -54,8 +74,10 @@ impl LayeredSum<'_> {
         add(self.whole);
         let part = match (self.layers, origin) {
             (Layers::None, _) => return,
-            (Layers::Lights, Origin::Light(light)) => light,
+            (Layers::Lights, Origin::Light(light) | Origin::Bounced(Some(light))) => light,
             (Layers::Lights, Origin::Surroundings) => self.parts.len() - 1,
+            (Layers::Lights, Origin::Bounced(None)) => self.parts.len() - 2,
+            (Layers::Paths, Origin::Bounced(_)) => 3,
             (Layers::Paths, _) => match kind {
                 RayKind::Camera => 0,
                 RayKind::Mirrored => 1,

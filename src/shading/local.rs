@@ -41,7 +41,7 @@ impl Tracer<'_> {
                 let power = &self.tables.lights[light];
                 let dimmed = left.map(|left| product(throughput, left));
                 let throughput = dimmed.as_ref().unwrap_or(throughput);
-                sum.add(Origin::Light(light), branch.kind, |sum| {
+                sum.add(Origin::of_light(self.prepared, light), branch.kind, |sum| {
                     add_light(&answer, power, [f_r, f_t], throughput, sum);
                 });
                 if answer.reflected_error + answer.transmitted_error > 0.0 {

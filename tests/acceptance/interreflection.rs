@@ -22,7 +22,7 @@ fn lit(objects: Vec<(Mesh, Material)>, light: Light, bounces: u32, samples: usiz
     let scene = Scene {
         photometry: Photometry::Absolute,
         shadows: Shadows::On,
-        interreflection: Some(Interreflection { bounces, samples, seed: 1 }),
+        interreflection: Some(Interreflection { bounces, samples, seed: 1, by_light: false }),
         ..scene(objects, vec![light])
     };
     shading::prepare(scene).expect("a good scene")

@@ -1,15 +1,18 @@
 //! Light is linear: the layers of a picture add up to it, and weigh like dimmed lamps.
 
+use lampyris::color::Photometry;
 use lampyris::geometry::DVec3;
 use lampyris::image::{SpectralImage, weighted_sum};
 use lampyris::material::Material;
 use lampyris::render::{Quality, Samples};
-use lampyris::scene::Scene;
+use lampyris::scene::{Interreflection, Scene};
 use lampyris::shading::Layers;
 use lampyris::spectrum::{Spectrum, WavelengthGrid};
 use lampyris::view::View;
 
-use crate::stage::{busy_scene, diffuse, exact, material, pixel_view, point_light, shoot, square};
+use crate::stage::{
+    busy_scene, diffuse, exact, material, pixel_view, point_light, shoot, shoot_prepared, square,
+};
 
 /// A lamp of two lights behind a clear pane, before a background.
 fn lamp(flux_lm: [f64; 2]) -> Scene {
@@ -76,4 +79,36 @@ fn weighted_layers_are_dimmed_lamps() {
     let relit =
         weighted_sum(&[(0.1, &parts[0]), (2.5, &parts[1]), (1.0, &parts[2])]).expect("of one kind");
     assert_same(&relit, &shot([44.0, 75.0], Layers::None), "relit");
+}
+
+/// What surfaces pass on belongs to its light where it is kept apart, and else to a layer of its own.
+#[test]
+fn light_passed_on_has_its_layer() {
+    let quality = |layers| Quality { layers, grid: WavelengthGrid::Step20, ..exact(4) };
+    let view = View { fov_deg: 8.0, width: 12, height: 9, ..pixel_view(5.0, 600.0) };
+    let light = |image: &SpectralImage| image.bands.iter().map(|&v| f64::from(v)).sum::<f64>();
+    let apart = ["light 1", "light 2", "surroundings"];
+    let together = ["light 1", "light 2", "bounced", "surroundings"];
+    let paths = ["direct", "mirrored", "transmitted", "bounced"];
+    for (by_light, layers, names) in [
+        (true, Layers::Lights, &apart[..]),
+        (false, Layers::Lights, &together[..]),
+        (false, Layers::Paths, &paths[..]),
+    ] {
+        let mut scene = lamp([440.0, 30.0]);
+        scene.photometry = Photometry::Absolute;
+        scene.lights[1].spectrum = scene.lights[0].spectrum.clone();
+        let first = shoot(scene.clone(), &view, &quality(layers));
+        scene.interreflection =
+            Some(Interreflection { bounces: 3, samples: 2000, seed: 1, by_light });
+        let prepared = lampyris::shading::prepare(scene).expect("a good scene");
+        let image = shoot_prepared(&prepared, &view, &quality(layers));
+        let found: Vec<&str> = image.layers.iter().map(|layer| layer.name.as_str()).collect();
+        assert_eq!(found, names);
+        let parts: Vec<SpectralImage> = image.layers.iter().map(|l| image.layer(l)).collect();
+        let terms: Vec<_> = parts.iter().map(|part| (1.0, part)).collect();
+        assert_same(&weighted_sum(&terms).expect("of one kind"), &image, "sum");
+        let gain = light(&parts[0]) / light(&first.layer(&first.layers[0]));
+        assert!(if by_light { gain > 1.0001 } else { gain == 1.0 }, "{by_light}: {gain}");
+    }
 }

@@ -73,6 +73,8 @@ options! {
         samples: usize = samples(100_000),
         /// of the samples
         seed: u64 = SEED,
+        /// samples for each light, so that layers of lights hold what surfaces pass on of them; else lights of one spectrum share them
+        by_light: bool = Flag.or(false),
     }
 }
 
@@ -108,8 +110,8 @@ fn new(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
         shadows: if shadows { Shadows::On } else { Shadows::Off },
         contact_mm: given.contact,
         interreflection: given.interreflection.map(|asked| {
-            let InterreflectionOptions { bounces, samples, seed } = asked;
-            Interreflection { bounces, samples, seed }
+            let InterreflectionOptions { bounces, samples, seed, by_light } = asked;
+            Interreflection { bounces, samples, seed, by_light }
         }),
         objects: parts.objects,
         materials: parts.materials.iter().map(|m| Material::clone(m)).collect(),
