@@ -15,7 +15,7 @@ use lampyris::program::develop::develop_files;
 use lampyris::program::progress::Verbosity;
 use lampyris::program::script::{self, ScriptFault, Settings};
 use lampyris::program::sweep::{self, Shard};
-use lampyris::program::{diff, info, memory};
+use lampyris::program::{diff, info, memory, study};
 
 /// Predicts what a lit lamp looks like and how bright it is, wavelength by wavelength.
 ///
@@ -91,12 +91,12 @@ enum Command {
         #[arg(long, value_name = "SCRIPT")]
         script: Option<PathBuf>,
     },
-    /// Join the shards of a sweep
+    /// Join the shards of a sweep or a study
     Merge {
-        /// Folders with the shards' manifests
+        /// Folders with the shards' manifests or tables
         #[arg(required = true, value_name = "DIR")]
         folders: Vec<PathBuf>,
-        /// Where the whole sweep goes [default: the first DIR]
+        /// Where the whole goes [default: the first DIR]
         #[arg(long, value_name = "DIR")]
         into: Option<PathBuf>,
     },
@@ -172,9 +172,14 @@ fn main() -> ExitCode {
         Command::Diff { a, b } => diff(&a, &b),
         Command::Merge { folders, into } => {
             let into = into.as_ref().unwrap_or(&folders[0]); // clap asks for one at least
-            match sweep::merge(&folders, into) {
+            let is_study = folders.iter().any(|folder| study::is_study(folder));
+            let (merged, unit) = match is_study {
+                true => (study::merge(&folders, into), "draws"),
+                false => (sweep::merge(&folders, into), "views"),
+            };
+            match merged {
                 Ok(sweep::Merged { shards, views }) => {
-                    say(&format!("{}: {shards} shards, {views} views", into.display()))
+                    say(&format!("{}: {shards} shards, {views} {unit}", into.display()))
                 }
                 Err(error) => exit_code(Err(error)),
             }

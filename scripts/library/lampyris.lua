@@ -733,6 +733,68 @@ function Image:luminances(region) end
 ---@return ImageDifference
 function Image:compare(reference) end
 
+---@class UncertaintyOptions
+---@field region? RegionOptions  of luminance and chromaticity; the whole image unless one is given
+---@field inputs table<string, UncertainInput>
+---@field correlation? {[1]: string, [2]: string, [3]: number}[]  `{{"a", "b", r}, …}`: coefficients of fluxes and numbers that are not independent
+---@field quality? QualityOptions  of the image, for the scenes that are tried
+---@class UncertainInput
+---@field u Spectrum|number  standard uncertainty: of a value in its unit; of a flux or spectrum relative, 0.02 is 2 %; 0 or more
+---@field light? integer  of the scene, from 1; the image has layers = "lights"; 1 to 100000
+---@field spectrum? Spectrum  of that light, if it and not the flux is uncertain
+---@field scene? fun(value: number): Scene  from the value to the scene; without a value, from a factor of an uncertain spectrum
+---@field value? number
+---@field correlation? number  of a spectrum's errors: r = exp(−Δλ/this); 0 is independent bands; 0 to 1000000 nm; default 0
+---@class UncertaintyBudget
+---@field Y number  luminance of the region
+---@field x number
+---@field y number
+---@field I number  intensity of the image, cd; 0 where it has none
+---@field u_Y number  combined standard uncertainty
+---@field u_x number
+---@field u_y number
+---@field u_I number
+---@field budget UncertaintyContribution[]  by input, the largest u_Y first
+---@class UncertaintyContribution
+---@field input string
+---@field u_Y number  from this input alone
+---@field u_x number
+---@field u_y number
+---@field u_I number
+
+---Standard uncertainties of luminance, chromaticity and intensity from those of the inputs.
+---@param options UncertaintyOptions
+---@return UncertaintyBudget
+function Image:uncertainty(options) end
+
+---@class HomogeneityOptions
+---@field region? RegionOptions  the whole image unless one is given
+---@field grid? integer[]  columns and rows of cells; 1 to 65536; default one a pixel
+---@field halves? Image[]  pictures with rayset:halves, two for each split: they tell the noise of the rays; default {}
+---@class Homogeneity
+---@field mean number  luminance
+---@field min number  luminance of the darkest cell
+---@field max number  luminance of the brightest cell
+---@field contrast number  RMS: standard deviation of the cells over their mean
+---@field uniformity number  darkest over brightest cell
+---@field gradient number  largest step between cells side by side, over the mean
+---@field cells integer[]  columns and rows
+---@field rays? NoiseShare  noise from the number of light rays; nil without halves
+---@field samples? NoiseShare  noise from the number of camera rays; nil unless samples are adaptive
+---@class NoiseShare
+---@field noise number  RMS contrast that it makes on an even surface
+---@field mean number  standard error
+---@field min number  likewise
+---@field max number  likewise
+---@field contrast number  likewise, with what noise adds
+---@field uniformity number  standard error
+---@field gradient number  likewise
+
+---How even the luminance of a region is, with the errors that rays and samples leave.
+---@param options? HomogeneityOptions
+---@return Homogeneity
+function Image:homogeneity(options) end
+
 ---Luminous intensity toward the eye, of a scene with photometry = "absolute".
 ---@return number  cd
 function Image:intensity() end
@@ -1016,12 +1078,14 @@ function lampyris.sweep(options) end
 ---@field sd table<string, number>  by result
 local Study = {}
 
----What `percent` of all draws do not exceed, and the ends of its 95 % confidence interval.
+---What `percent` of all draws do not exceed, the ends of its interval, and their confidence: 0.95 or what so
+---few draws allow.
 ---@param name string  of a result
 ---@param percent number
 ---@return number value
 ---@return number low
 ---@return number high
+---@return number confidence
 function Study.percentile(name, percent) end
 
 ---Shares of a result's variance by parameter, and how much of it they explain (1 at best).

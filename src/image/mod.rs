@@ -2,6 +2,8 @@
 
 /// How far an image is from a reference.
 pub mod difference;
+/// How even an image is.
+pub mod homogeneity;
 mod sum;
 
 use std::collections::BTreeMap;
@@ -35,7 +37,8 @@ pub struct SpectralImage {
     pub bands: Vec<f32>,
     /// Whether the values have a unit.
     pub photometry: Photometry,
-    /// Standard error of each pixel's luminance, in its unit.
+    /// Standard error of each pixel's luminance, relative to it or, where it is darker, to the image's
+    /// mean.
     pub error: Option<Vec<f32>>,
     /// Camera rays traced for each pixel.
     pub samples: Option<Vec<f32>>,

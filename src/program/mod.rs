@@ -16,3 +16,4 @@ pub mod stage;
 pub mod stamp;
 pub mod study;
 pub mod sweep;
+pub mod uncertainty;

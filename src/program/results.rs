@@ -3,10 +3,12 @@
 use super::fields::{Cell, Fields, field};
 use super::intensity::PointCheck;
 use super::sweep::{RegionReading, SweepOutcome};
+use super::uncertainty::{Budget, Contribution};
 use crate::color::signal;
 use crate::display::{ChannelFit, Curve, Developed, PatchError, Verification};
 use crate::geometry::DVec3;
 use crate::image::difference::ImageDifference;
+use crate::image::homogeneity::{Homogeneity, NoiseShare};
 use crate::material::{FittedLobe, LobeFit};
 use crate::render::{Asked, Quality, RenderStats, Samples, TargetReport};
 use crate::scene::BuildSeconds;
@@ -252,6 +254,91 @@ pub const DIFFERENCE: Fields<ImageDifference> = Fields {
         field("spectral_rms", "number", "relative to the rms of the reference", |d| {
             d.spectral_rms.into()
         }),
+    ],
+};
+
+/// What a picture shows, with standard uncertainties.
+pub const BUDGET: Fields<Budget> = Fields {
+    class: "UncertaintyBudget",
+    fields: &[
+        field("Y", "number", "luminance of the region", |b| b.values[0].into()),
+        field("x", "number", "", |b| b.values[1].into()),
+        field("y", "number", "", |b| b.values[2].into()),
+        field("I", "number", "intensity of the image, cd; 0 where it has none", |b| {
+            b.values[3].into()
+        }),
+        field("u_Y", "number", "combined standard uncertainty", |b| b.u[0].into()),
+        field("u_x", "number", "", |b| b.u[1].into()),
+        field("u_y", "number", "", |b| b.u[2].into()),
+        field("u_I", "number", "", |b| b.u[3].into()),
+        field("budget", "UncertaintyContribution[]", "by input, the largest u_Y first", |b| {
+            CONTRIBUTION.list(&b.contributions)
+        }),
+    ],
+};
+
+/// What one input adds to the uncertainties.
+pub const CONTRIBUTION: Fields<Contribution> = Fields {
+    class: "UncertaintyContribution",
+    fields: &[
+        field("input", "string", "", |c| c.name.as_str().into()),
+        field("u_Y", "number", "from this input alone", |c| c.u[0].into()),
+        field("u_x", "number", "", |c| c.u[1].into()),
+        field("u_y", "number", "", |c| c.u[2].into()),
+        field("u_I", "number", "", |c| c.u[3].into()),
+    ],
+};
+
+/// How even a region is.
+pub const HOMOGENEITY: Fields<Homogeneity> = Fields {
+    class: "Homogeneity",
+    fields: &[
+        field("mean", "number", "luminance", |h| h.evenness.mean.into()),
+        field("min", "number", "luminance of the darkest cell", |h| h.evenness.min.into()),
+        field("max", "number", "luminance of the brightest cell", |h| h.evenness.max.into()),
+        field("contrast", "number", "RMS: standard deviation of the cells over their mean", |h| {
+            h.evenness.contrast.into()
+        }),
+        field("uniformity", "number", "darkest over brightest cell", |h| {
+            h.evenness.uniformity.into()
+        }),
+        field(
+            "gradient",
+            "number",
+            "largest step between cells side by side, over the mean",
+            |h| h.evenness.gradient.into(),
+        ),
+        field("cells", "integer[]", "columns and rows", |h| h.cells.into()),
+        field(
+            "rays",
+            "NoiseShare?",
+            "noise from the number of light rays; nil without halves",
+            |h| h.rays.map(|share| NOISE_SHARE.record(&share)).into(),
+        ),
+        field(
+            "samples",
+            "NoiseShare?",
+            "noise from the number of camera rays; nil unless samples are adaptive",
+            |h| h.samples.map(|share| NOISE_SHARE.record(&share)).into(),
+        ),
+    ],
+};
+
+/// Standard errors of figures of evenness.
+pub const NOISE_SHARE: Fields<NoiseShare> = Fields {
+    class: "NoiseShare",
+    fields: &[
+        field("noise", "number", "RMS contrast that it makes on an even surface", |share| {
+            share.noise.into()
+        }),
+        field("mean", "number", "standard error", |share| share.error.mean.into()),
+        field("min", "number", "likewise", |share| share.error.min.into()),
+        field("max", "number", "likewise", |share| share.error.max.into()),
+        field("contrast", "number", "likewise, with what noise adds", |share| {
+            share.error.contrast.into()
+        }),
+        field("uniformity", "number", "standard error", |share| share.error.uniformity.into()),
+        field("gradient", "number", "likewise", |share| share.error.gradient.into()),
     ],
 };
 

@@ -25,7 +25,7 @@ use crate::view::View;
 pub use asked::Asked;
 pub use black::why_black;
 use film::{Film, PixelStats};
-pub use inspect::{check_light_error, trace_paths};
+pub use inspect::{check_light_error, mean_spectrum, trace_paths};
 pub use quality::{Quality, Samples};
 use sampler::Sampler;
 pub use target::{MOST_SAMPLES, TargetReport, render_to_target};

@@ -9,3 +9,4 @@ mod mistakes;
 mod sandbox;
 mod study;
 mod sweep;
+mod uncertainty;

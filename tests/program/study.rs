@@ -1,6 +1,9 @@
 //! Studies as a user runs them.
 
 use std::fs;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::Duration;
 
 use crate::bench::{Bench, text};
 
@@ -85,4 +88,73 @@ fn mistakes_have_their_messages() {
             "{options}: {printed}"
         );
     }
+}
+
+/// Draws that take some milliseconds each, of a lamp that is moved.
+const SLOW: &str = r#"
+local lampyris = require "lampyris"
+local mirror = lampyris.mesh.new {
+  positions = { { -50, -50, 0 }, { 50, -50, 0 }, { 50, 50, 0 }, { -50, 50, 0 } },
+  triangles = { { 1, 2, 3 }, { 1, 3, 4 } },
+}
+local material = lampyris.material { reflectance = 0.9, k_d = 0.5, k_s = 0.5, n_s = 20 }
+local view = lampyris.view { distance = 500, fov = 10, width = 12, height = 9 }
+lampyris.study {
+  parameters = { shift = { normal = { 0, 0.15 } }, flux = { uniform = { 391, 529 } } },
+  samples = 60, output = "s",
+  run = function(p)
+    local scene = lampyris.scene {
+      objects = { { mesh = mirror, material = material } },
+      lights = { lampyris.cylinder { center = { 0, 0, 40 + p.shift }, radius = 1, length = 5, flux = p.flux,
+        samples = 200, spectrum = lampyris.spectrum.blackbody(2856) } },
+      photometry = "absolute", shadows = false,
+    }
+    return { i0 = scene:render(view, { samples = 1 }):intensity() }
+  end,
+}
+"#;
+
+#[test]
+fn ten_kills_leave_the_bytes_of_an_unbroken_study() {
+    let (whole, broken) = (Bench::new(), Bench::new());
+    [&whole, &broken].iter().for_each(|bench| bench.write("slow.lua", SLOW));
+    whole.succeed(&["run", "slow.lua", "--quiet", "--threads", "1"]);
+    let table = broken.path("out/s/draws.csv");
+    let draws = || fs::read_to_string(&table).unwrap_or_default().lines().count();
+    for _ in 0..10 {
+        let before = draws();
+        let mut child = broken.command(&["run", "slow.lua", "--quiet"]);
+        let mut child = child.stdout(Stdio::null()).spawn().expect("a start");
+        while draws() < before + 3 && child.try_wait().expect("a status").is_none() {
+            sleep(Duration::from_millis(1));
+        }
+        child.kill().expect("SIGKILL");
+        child.wait().expect("an end");
+    }
+    assert!(draws() > 10);
+    broken.succeed(&["run", "slow.lua", "--quiet"]);
+    assert_eq!(broken.files("out/s"), whole.files("out/s"));
+}
+
+#[test]
+fn shards_merge_to_the_bytes_of_one_run() {
+    let (whole, parts) = (Bench::new(), Bench::new());
+    [&whole, &parts].iter().for_each(|bench| bench.write("slow.lua", SLOW));
+    whole.succeed(&["run", "slow.lua", "--quiet"]);
+    parts.succeed(&["run", "slow.lua", "--quiet", "--shard", "1/2"]);
+    let missing = parts.fail(&["merge", "out/s"]);
+    assert!(missing.contains("30 of 60 draws are missing, the first is draw 1"), "{missing}");
+    parts.succeed(&["run", "slow.lua", "--quiet", "--shard", "2/2", "--out", "there"]);
+    let said = parts.succeed(&["merge", "out/s", "there/s", "--into", "whole"]);
+    assert_eq!(said, "whole: 2 shards, 60 draws\n");
+    assert_eq!(parts.files("whole"), whole.files("out/s"));
+    parts.succeed(&["run", "slow.lua", "--quiet", "--shard", "2/2"]);
+    parts.succeed(&["merge", "out/s"]);
+    assert_eq!(parts.files("out/s"), whole.files("out/s"));
+    assert_eq!(parts.succeed(&["merge", "out/s"]), "out/s: 0 shards, 60 draws\n");
+
+    parts.write("slow.lua", &SLOW.replace("0.15", "0.16"));
+    parts.succeed(&["run", "slow.lua", "--quiet", "--shard", "2/2", "--out", "other"]);
+    let other = parts.fail(&["merge", "out/s", "other/s", "--into", "mixed"]);
+    assert!(other.contains("of different studies: they differ in parameters, read"), "{other}");
 }

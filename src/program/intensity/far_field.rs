@@ -4,7 +4,7 @@ use crate::color::Photometry;
 use crate::color::Xyz;
 use crate::error::{Error, Result};
 use crate::image::{Region, SpectralImage};
-use crate::view::View;
+use crate::view::{Camera, View};
 
 /// Intensity of all that `image` shows, toward the eye of `view`: Y in cd, X and Z likewise.
 ///
@@ -14,6 +14,11 @@ use crate::view::View;
 /// luminance times its projected area.
 /// Errors: an image of relative photometry, which has no unit.
 pub fn intensity(image: &SpectralImage, view: &View) -> Result<Xyz> {
+    Ok(Xyz::from_bands(image.grid, &intensity_bands(image, view)?))
+}
+
+/// The same at each band: W·sr⁻¹·nm⁻¹. Errors: as [`intensity`].
+pub fn intensity_bands(image: &SpectralImage, view: &View) -> Result<Vec<f64>> {
     if image.photometry != Photometry::Absolute {
         let problem = "needs a scene with photometry = \"absolute\": relative values have no unit";
         return Err(Error::inconsistent("intensity", problem));
@@ -22,16 +27,20 @@ pub fn intensity(image: &SpectralImage, view: &View) -> Result<Xyz> {
     let mut bands = vec![0.0; image.grid.bands()];
     for y in 0..image.height {
         for x in 0..image.width {
-            let center = [x as f64 + 0.5, y as f64 + 0.5];
-            let facing_sr = camera.pixel_solid_angle_sr(center[0], center[1])
-                * camera.cos_to_axis(center[0], center[1]);
+            let facing_sr = facing_sr(&camera, [x as f64 + 0.5, y as f64 + 0.5]);
             for (sum, value) in bands.iter_mut().zip(image.pixel(x, y)) {
                 *sum += f64::from(*value) * facing_sr;
             }
         }
     }
     let r_m = view.distance_mm * 1e-3;
-    Ok(Xyz::from_bands(image.grid, &bands) * (r_m * r_m))
+    bands.iter_mut().for_each(|value| *value *= r_m * r_m);
+    Ok(bands)
+}
+
+/// Ω cos θ of the pixel with this center.
+pub fn facing_sr(camera: &Camera, [x, y]: [f64; 2]) -> f64 {
+    camera.pixel_solid_angle_sr(x, y) * camera.cos_to_axis(x, y)
 }
 
 /// Whether there is light at the image's border, so that more of it may lie outside.

@@ -35,11 +35,15 @@ fn result_row<T>(field: &Field<T>) -> OptionRow {
 const RESULTS: &[fn() -> Class] = &[
     || results(&results::CHANNEL),
     || results(&results::COST),
+    || results(&results::BUDGET),
+    || results(&results::CONTRIBUTION),
     || results(&results::DEVELOPED),
     || results(&results::DIFFERENCE),
+    || results(&results::HOMOGENEITY),
     || results(&results::LIGHT_CHECK),
     || results(&results::LOBE),
     || results(&results::LOBE_FIT),
+    || results(&results::NOISE_SHARE),
     || results(&results::PATCH),
     || results(&results::PATH),
     || results(&results::POINT),
@@ -72,6 +76,7 @@ const RECORDS: &[fn() -> Class] = &[
     class::<super::figure::FalseColorOptions>,
     class::<super::grid_check::GridCheckOptions>,
     class::<super::image::RegionOptions>,
+    class::<super::image::HomogeneityOptions>,
     class::<super::image::ExrOptions>,
     class::<super::image::HdrOptions>,
     class::<super::image::JpegOptions>,
@@ -123,6 +128,8 @@ const RECORDS: &[fn() -> Class] = &[
     class::<super::study::StudyOptions>,
     class::<super::sweep::SweepOptions>,
     class::<super::sweep::SweepView>,
+    class::<super::uncertainty::UncertainInput>,
+    class::<super::uncertainty::UncertaintyOptions>,
     class::<super::view::ViewOptions>,
 ];
 

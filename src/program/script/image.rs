@@ -6,23 +6,25 @@ use std::sync::Arc;
 use mlua::{Lua, MetaMethod, MultiValue, Table, UserData, UserDataFields, UserDataMethods, Value};
 
 use super::host::Host;
-use super::kinds::{Choice, Count, Kind};
+use super::kinds::{Choice, Count, Handle, Kind, List, Naming, Nested};
 use super::look::PngOptions;
 use super::options::{self, Arguments, Range};
 use super::record::options;
 use super::spectrum::LuaSpectrum;
+use super::uncertainty::uncertainty;
 use super::view::MAX_SIDE;
 use super::{fault, figure, host};
 use crate::color::Photometry;
 use crate::display::Look;
 use crate::error::Error;
 use crate::image::difference::ImageDifference;
+use crate::image::homogeneity;
 use crate::image::{Region, SpectralImage, XyzImage, weighted_sum};
 use crate::output::{self, ExrBands, HdrColors, Raster};
 use crate::program::fields::Cell;
 use crate::program::intensity;
 use crate::program::memory;
-use crate::program::results::{COST, Cost, DEVELOPED, DIFFERENCE, STATS};
+use crate::program::results::{COST, Cost, DEVELOPED, DIFFERENCE, HOMOGENEITY, STATS};
 use crate::render::RenderStats;
 use crate::scene::{BuildSeconds, Prepared};
 use crate::spectrum::Spectrum;
@@ -125,10 +127,11 @@ impl RegionOptions {
     }
 }
 
-const NAMES: [&str; 12] = [
+const NAMES: [&str; 14] = [
     "compare",
     "false_color",
     "height",
+    "homogeneity",
     "intensity",
     "layers",
     "luminance",
@@ -136,6 +139,7 @@ const NAMES: [&str; 12] = [
     "save",
     "spectrum",
     "stats",
+    "uncertainty",
     "width",
     "xyz",
 ];
@@ -163,6 +167,12 @@ impl LuaImage {
 
     pub(super) fn spectral(&self) -> &SpectralImage {
         &self.0.image
+    }
+
+    /// Camera rays that the image took; one a pixel where nobody knows.
+    pub(super) fn camera_rays(&self) -> u64 {
+        let pixels = (self.0.image.width * self.0.image.height) as u64;
+        self.0.run.as_ref().map_or(pixels, |run| run.stats.counts.camera_rays)
     }
 
     pub(super) fn photometry(&self) -> Photometry {
@@ -249,6 +259,12 @@ impl UserData for LuaImage {
             let difference = ImageDifference::between(&this.0.image, &reference.0.image)?;
             Ok(DIFFERENCE.record(&difference))
         });
+        fault::method(methods, "homogeneity", |_, this: &Self, a| {
+            this.homogeneity(Arguments::new("image:homogeneity", a, 1)?.record()?)
+        });
+        fault::method(methods, "uncertainty", |lua, this: &Self, a| {
+            uncertainty(this, lua, Arguments::new("image:uncertainty", a, 1)?.record()?)
+        });
         fault::method(methods, "false_color", |_, this: &Self, a| {
             figure::false_color_figure(this, Arguments::new("image:false_color", a, 1)?.record()?)
         });
@@ -279,6 +295,42 @@ impl UserData for LuaImage {
             scaled.map_err(|error| fault::located(lua, error))
         });
         fault::refuse_unknown_fields(methods, "image", NAMES);
+    }
+}
+
+options! {
+    struct HomogeneityOptions {
+        /// the whole image unless one is given
+        region: RegionOptions = Nested::new(),
+        /// columns and rows of cells
+        grid: Option<Vec<usize>> = List {
+            entry: Count::new(1, MAX_SIDE),
+            expected: "{columns, rows}",
+            naming: Naming::Key,
+        }.optional("one a pixel"),
+        /// pictures with rayset:halves, two for each split: they tell the noise of the rays
+        halves: Vec<LuaImage> = List {
+            entry: Handle::new("Image", "an image"),
+            expected: "a list of images",
+            naming: Naming::Entry,
+        }.or(Vec::new()),
+    }
+}
+
+impl LuaImage {
+    fn homogeneity(&self, given: HomogeneityOptions) -> mlua::Result<Cell> {
+        let cells = given.grid.map(|grid| match grid[..] {
+            [columns, rows] => Ok([columns, rows]),
+            _ => {
+                let problem =
+                    format!("\"grid\" has {} entries, expected {{columns, rows}}", grid.len());
+                Err(Error::inconsistent("image:homogeneity", problem))
+            }
+        });
+        let halves: Vec<&SpectralImage> = given.halves.iter().map(Self::spectral).collect();
+        let region = self.region(&given.region);
+        let found = homogeneity::homogeneity(&self.0.image, region, cells.transpose()?, &halves)?;
+        Ok(HOMOGENEITY.record(&found))
     }
 }
 

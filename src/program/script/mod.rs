@@ -42,6 +42,7 @@ mod scene;
 mod spectrum;
 mod study;
 mod sweep;
+mod uncertainty;
 mod view;
 mod views;
 

@@ -177,15 +177,15 @@ fn answer(lua: &Lua, study: Study, done: StudyOutcome) -> mlua::Result<Table> {
     Ok(answer)
 }
 
-/// `study.percentile(name, percent)`: the value and the ends of its 95 % confidence interval.
-fn percentile(done: &StudyOutcome, arguments: MultiValue) -> mlua::Result<(f64, f64, f64)> {
+/// `study.percentile(name, percent)`: the value, the ends of its interval, and their confidence.
+fn percentile(done: &StudyOutcome, arguments: MultiValue) -> mlua::Result<(f64, f64, f64, f64)> {
     let mut arguments = Arguments::new("study.percentile", arguments, 2)?;
     let values = column(done, "study.percentile", &arguments.text("name of a result")?)?;
     let percent = arguments.number("percent", Range::new(0.0, 100.0, "%"))?;
     let found = study::percentile_interval(&values, percent);
     let none = || Error::inconsistent("study.percentile", "there are no draws");
-    let Interval { value, low, high } = found.ok_or_else(none)?;
-    Ok((value, low, high))
+    let Interval { value, low, high, confidence } = found.ok_or_else(none)?;
+    Ok((value, low, high, confidence))
 }
 
 /// `study.sensitivity(name)`: `{ first =, total = }` by parameter, and the share explained.
@@ -232,7 +232,8 @@ fn probability(lua: &Lua, rows: Table) -> mlua::Result<Function> {
             passed += usize::from(passes.call::<bool>(row?)?);
         }
         let none = || Error::inconsistent(OBJECT, "there are no draws");
-        let Interval { value, low, high } = study::probability(passed, draws).ok_or_else(none)?;
+        let Interval { value, low, high, .. } =
+            study::probability(passed, draws).ok_or_else(none)?;
         Ok((value, low, high))
     })
 }

@@ -6,6 +6,7 @@
 
 mod design;
 mod distribution;
+mod merge;
 mod page;
 mod run;
 mod sensitivity;
@@ -14,7 +15,8 @@ mod table;
 
 pub use design::{Design, Draws, MOST_DRAWS, MOST_PARAMETERS};
 pub use distribution::{Distribution, normal_quantile};
-pub use run::{Parameter, Study, StudyOutcome};
+pub use merge::{is_study, merge};
+pub use run::{DRAWS, Parameter, RECORD, Study, StudyOutcome};
 pub use sensitivity::{Sensitivity, sensitivity};
 pub use summary::{Interval, mean, percentile_interval, probability, standard_deviation};
 pub use table::DrawTable;

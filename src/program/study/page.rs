@@ -42,12 +42,15 @@ fn section(study: &Study, table: &DrawTable, result: &str) -> Result<String> {
     for (name, value) in [("mean", mean(&values)), ("sd", standard_deviation(&values))] {
         let _ = write!(html, "<tr><th>{name}</th><td>{value:.6}</td><td></td></tr>");
     }
-    for percent in [2.5, 50.0, 97.5] {
+    for percent in [2.5, 16.0, 50.0, 84.0, 97.5] {
         if let Some(found) = percentile_interval(&values, percent) {
             let _ = write!(
                 html,
-                "<tr><th>{percent} %</th><td>{:.6}</td><td>95 % confidence: {:.6} to {:.6}</td></tr>",
-                found.value, found.low, found.high
+                "<tr><th>{percent} %</th><td>{:.6}</td><td>{:.1} % confidence: {:.6} to {:.6}</td></tr>",
+                found.value,
+                100.0 * found.confidence,
+                found.low,
+                found.high
             );
         }
     }

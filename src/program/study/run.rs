@@ -48,8 +48,10 @@ pub struct StudyOutcome {
     pub moved: Option<PathBuf>,
 }
 
-/// The study's record beside its table.
-const RECORD: &str = "study.json";
+/// Name of a whole study's table.
+pub const DRAWS: &str = "draws.csv";
+/// Name of a study's record, beside its table.
+pub const RECORD: &str = "study.json";
 
 impl Study {
     /// Errors: [`Error::OutOfRange`] for too many or no draws or parameters, for a name that is no
@@ -115,7 +117,7 @@ impl Study {
         mut run: impl FnMut(&[(String, f64)]) -> std::result::Result<Vec<(String, f64)>, E>,
     ) -> std::result::Result<StudyOutcome, E> {
         self.check()?;
-        let moved = self.claim(folder, source)?;
+        let moved = claim(folder, &self.record_text(source))?;
         let draws = self.draws();
         let mut writer = Writer::open(&folder.join(self.table_name()))?;
         let mut is_made = vec![false; draws.count()];
@@ -153,37 +155,20 @@ impl Study {
     /// Name of the file with this run's draws.
     fn table_name(&self) -> String {
         match self.shard {
-            None => "draws.csv".to_owned(),
+            None => DRAWS.to_owned(),
             Some(shard) => {
                 shard.manifest_name().replace("manifest.", "draws.").replace("json", "csv")
             }
         }
     }
 
-    /// Sets the folder up for this study; tells where another's draws went.
-    fn claim(&self, folder: &Path, source: &Source) -> Result<Option<PathBuf>> {
-        let record = self.record(source);
-        let path = folder.join(RECORD);
-        let text = format!("{record:#}\n");
-        let known = std::fs::read_to_string(&path).ok();
-        if known.as_deref() == Some(text.as_str()) {
-            return Ok(None);
-        }
-        let moved = match known {
-            Some(known) => Some(set_aside(folder, &known)?),
-            None => None,
-        };
-        output::write_text(&path, &text)?;
-        Ok(moved)
-    }
-
     /// What the draws depend on.
-    fn record(&self, source: &Source) -> Value {
+    fn record_text(&self, source: &Source) -> String {
         let file = |file: &FileDigest| json!({ "path": file.path, "sha256": file.digest.as_str() });
         let parameters: Map<String, Value> =
             self.parameters.iter().map(|p| (p.name.clone(), p.distribution.record())).collect();
-        json!({
-            "format": "lampyris study 1",
+        let record = json!({
+            "format": FORMAT,
             "parameters": parameters,
             "design": format!("{:?}", self.design),
             "samples": self.samples,
@@ -192,8 +177,50 @@ impl Study {
             "executable": source.executable.as_ref().map(Digest::as_str),
             "arguments": source.arguments,
             "read": source.script.iter().chain(&source.inputs).map(file).collect::<Vec<_>>(),
+        });
+        format!("{record:#}\n")
+    }
+
+    /// The study that a record tells of; `None` if it is none.
+    pub(super) fn from_record(record: &Value) -> Option<Self> {
+        if record.get("format")?.as_str() != Some(FORMAT) {
+            return None;
+        }
+        let parameter = |(name, spread): (&String, &Value)| {
+            Some(Parameter { name: name.clone(), distribution: Distribution::from_record(spread)? })
+        };
+        let parameters = record.get("parameters")?.as_object()?.iter().map(parameter);
+        let name = record.get("design")?.as_str()?;
+        let designs = [Design::Sobol, Design::LatinHypercube, Design::Grid];
+        Some(Self {
+            parameters: parameters.collect::<Option<_>>()?,
+            design: designs.into_iter().find(|design| format!("{design:?}") == name)?,
+            samples: usize::try_from(record.get("samples")?.as_u64()?).ok()?,
+            seed: record.get("seed")?.as_u64()?,
+            shard: None,
         })
     }
+}
+
+/// The only format so far.
+const FORMAT: &str = "lampyris study 1";
+
+/// The part of a study whose draws a file of this name holds.
+pub(super) fn shard_of_table(name: &str) -> Option<Shard> {
+    let name = name.strip_prefix("draws.")?.strip_suffix(".csv")?;
+    Shard::of_manifest_name(&format!("manifest.{name}.json"))
+}
+
+/// Sets a folder up for the study of this record; tells where another's draws went.
+pub(super) fn claim(folder: &Path, text: &str) -> Result<Option<PathBuf>> {
+    let path = folder.join(RECORD);
+    let known = std::fs::read_to_string(&path).ok();
+    if known.as_deref() == Some(text) {
+        return Ok(None);
+    }
+    let moved = known.map(|known| set_aside(folder, &known)).transpose()?;
+    output::write_text(&path, text)?;
+    Ok(moved)
 }
 
 /// Moves a study's record and tables into a folder of its own, named by its content.
@@ -230,6 +257,16 @@ impl Distribution {
             Self::Uniform { low, high } => json!({ "uniform": [low, high] }),
             Self::List(values) => json!({ "list": values }),
         }
+    }
+
+    fn from_record(record: &Value) -> Option<Self> {
+        let numbers = |key: &str| -> Option<Vec<f64>> {
+            record.get(key)?.as_array()?.iter().map(Value::as_f64).collect()
+        };
+        let pair = |key: &str| <[f64; 2]>::try_from(numbers(key)?).ok();
+        let normal = pair("normal").map(|[mean, sd]| Self::Normal { mean, sd });
+        let uniform = pair("uniform").map(|[low, high]| Self::Uniform { low, high });
+        normal.or(uniform).or(numbers("list").map(Self::List))
     }
 }
 

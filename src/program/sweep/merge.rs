@@ -13,12 +13,12 @@ use super::timings;
 use crate::error::{Error, Result};
 use crate::output;
 
-/// What [`merge`] did.
+/// What [`merge`] did, or that of a study.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Merged {
     /// Parts that were joined.
     pub shards: usize,
-    /// Views of all of them.
+    /// Views, or draws, of all of them.
     pub views: usize,
 }
 
@@ -67,7 +67,8 @@ fn merged_before(folders: &[PathBuf], into: &Path) -> Option<Merged> {
     is_meant.then_some(Merged { shards: 0, views: manifest.views.len() })
 }
 
-fn fault(problem: impl Into<String>) -> Error {
+/// What keeps shards apart.
+pub(in crate::program) fn fault(problem: impl Into<String>) -> Error {
     Error::inconsistent("merge", problem)
 }
 

@@ -30,6 +30,7 @@ pub use digest::Digest;
 pub use fingerprint::of_scene;
 pub use folder::MANIFEST;
 pub use manifest::{Entry, FileDigest, Manifest, Source};
+pub(in crate::program) use merge::fault;
 pub use merge::{Merged, merge};
 pub use pictures::{Pictures, Share};
 pub use plan::{Plan, Shot, SweepOutcome, check_name};
