@@ -10,9 +10,9 @@ use crate::error::{Error, Result};
 pub struct Evenness {
     /// Mean luminance.
     pub mean: f64,
-    /// Of the darkest cell.
+    /// Luminance of the darkest cell.
     pub min: f64,
-    /// Of the brightest cell.
+    /// Luminance of the brightest cell.
     pub max: f64,
     /// RMS contrast: standard deviation of the cells over their mean.
     pub contrast: f64,

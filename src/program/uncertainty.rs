@@ -113,7 +113,7 @@ pub struct Budget {
 }
 
 impl Contribution {
-    /// Of `input` to the quantities of `seen`.
+    /// What `input` adds to the quantities of `seen`.
     pub fn of(name: &str, seen: &Seen, grid: WavelengthGrid, input: &Input) -> Self {
         let name = name.to_owned();
         match input {

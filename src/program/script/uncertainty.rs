@@ -61,7 +61,7 @@ options! {
 struct Asking<'a> {
     image: &'a LuaImage,
     region: Region,
-    /// Of absolute images with a view: they have an intensity.
+    /// `None` for an image without an intensity: relative, or of an unknown view.
     view: Option<View>,
     quality: Quality,
     seen: Seen,
@@ -254,7 +254,7 @@ impl Asking<'_> {
     }
 }
 
-/// Of a spectrum: none above 1, where a reflectance may end.
+/// Factors of a spectrum: none above 1, where a reflectance may end.
 const FACTORS: [f64; 3] = [0.98, 0.99, 1.0];
 
 /// Errors: a spectrum where one number is meant.

@@ -75,7 +75,7 @@ pub const FAULTS: &[[&str; 3]] = &[
     [
         "field of an image",
         "print(scene:render(view).luminence)",
-        "image: unknown key \"luminence\", did you mean \"luminance\"? (keys: compare, false_color, height, intensity, layers, luminance, luminances, save, spectrum, stats, width, xyz)",
+        "image: unknown key \"luminence\", did you mean \"luminance\"? (keys: compare, false_color, height, homogeneity, intensity, layers, luminance, luminances, save, spectrum, stats, uncertainty, width, xyz)",
     ],
     [
         "display without primaries",
