@@ -1,10 +1,11 @@
 //! `lampyris.camera`.
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods};
+use mlua::{Lua, Table, UserData, UserDataRegistry};
 
 use super::fault;
 use super::kinds::{Kind, Number, Numbers, SpectrumOrNumber, Text};
 use super::look::EXPOSURE;
+use super::members::{Members, functions};
 use super::options::{Arguments, Range};
 use super::record::options;
 use crate::color::D65_XY;
@@ -38,18 +39,16 @@ const CHANNEL: SpectrumOrNumber = SpectrumOrNumber { expected: "a spectrum", all
 
 /// A table of cameras that can be called to make one.
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    let table = lua.create_table()?;
-    table.set("nikon_d5100", LuaCamera(PhotoCamera::nikon_d5100()))?;
-    table.set("sigma_sd_merrill", LuaCamera(PhotoCamera::sigma_sd_merrill()))?;
-    fault::refuse_unknown_names(lua, &table, "lampyris.camera")?;
+    functions(lua, module, "camera", |functions| {
+        functions.add_value("nikon_d5100", LuaCamera(PhotoCamera::nikon_d5100()))?;
+        functions.add_value("sigma_sd_merrill", LuaCamera(PhotoCamera::sigma_sd_merrill()))
+    })?;
     let call = fault::function(lua, |_, mut a| {
         a.pop_front(); // the table itself
         camera(Arguments::new("camera", a, 1)?)
     })?;
-    if let Some(meta) = table.metatable() {
-        meta.raw_set("__call", call)?;
-    }
-    module.set("camera", table)
+    let meta = module.get::<Table>("camera")?.metatable();
+    meta.map_or(Ok(()), |meta| meta.raw_set("__call", call))
 }
 
 fn camera(mut arguments: Arguments) -> mlua::Result<LuaCamera> {
@@ -62,10 +61,9 @@ fn camera(mut arguments: Arguments) -> mlua::Result<LuaCamera> {
 }
 
 impl UserData for LuaCamera {
-    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
-        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
-            Ok(format!("camera: {}", this.0.name))
-        });
-        fault::refuse_unknown_fields(methods, "camera", []);
+    fn register(registry: &mut UserDataRegistry<Self>) {
+        let mut members = Members::new(registry, "camera");
+        members.text(|this| Ok(format!("camera: {}", this.0.name)));
+        members.no_others();
     }
 }

@@ -1,8 +1,8 @@
 //! Results as scripts read them.
 
-use mlua::{IntoLua, Lua, UserDataFields, Value};
+use mlua::{IntoLua, Lua, Value};
 
-use crate::program::fields::{Cell, Fields};
+use crate::program::fields::Cell;
 
 impl IntoLua for Cell {
     fn into_lua(self, lua: &Lua) -> mlua::Result<Value> {
@@ -15,16 +15,5 @@ impl IntoLua for Cell {
             Self::List(list) => list.into_lua(lua),
             Self::Record(cells) => lua.create_table_from(cells)?.into_lua(lua),
         }
-    }
-}
-
-/// Makes a record's fields those of a handle.
-pub(super) fn add_fields<H: 'static, T>(
-    fields: &mut impl UserDataFields<H>,
-    record: &'static Fields<T>,
-    of: fn(&H) -> &T,
-) {
-    for field in record.fields {
-        fields.add_field_method_get(field.name, move |_, this| Ok((field.cell)(of(this))));
     }
 }

@@ -3,13 +3,14 @@
 use std::io::Write;
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, MultiValue, Table, UserData, UserDataFields, UserDataMethods};
+use mlua::{Lua, Table, UserData, UserDataRegistry};
 
 use super::kinds::{Kind, List, Naming, Number, Numbers, Text};
 use super::look::BITS;
+use super::members::{Members, functions};
 use super::options::{Arguments, Ends, Range};
 use super::record::options;
-use super::{display_fit, fault, host};
+use super::{display_fit, host};
 use crate::color::Xyz;
 use crate::display::{
     self, CHANNELS, ChannelFit, Curve, Display, DisplayParameters, PQ_MAX_CD_M2, ProfiledDisplay,
@@ -43,37 +44,19 @@ impl From<Display> for LuaDisplay {
     }
 }
 
-const NAMES: [&str; 11] = [
-    "bits", "channels", "digital", "gain", "gamma", "offset", "plot", "save", "verdict", "verify",
-    "xyz",
-];
-
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    let table = lua.create_table()?;
-    table.set("eizo_t766", LuaDisplay::from(Display::eizo_t766()))?;
-    table.set("srgb", LuaDisplay::from(Display::srgb()))?;
-    table.set("p3", LuaDisplay::from(Display::p3()))?;
-    table.set("rec2020", LuaDisplay::from(Display::rec2020()))?;
-    table.set("p3_pq", fault::function(lua, |_, a| pq("display.p3_pq", a, Display::p3_pq))?)?;
-    let rec2020_pq = |_: &Lua, a| pq("display.rec2020_pq", a, Display::rec2020_pq);
-    table.set("rec2020_pq", fault::function(lua, rec2020_pq)?)?;
-    table.set("new", fault::function(lua, |_, a| new(Arguments::new("display.new", a, 1)?))?)?;
-    table.set(
-        "fit",
-        fault::function(lua, |lua, a| display_fit::fit(lua, Arguments::new("display.fit", a, 1)?))?,
-    )?;
-    table.set(
-        "load",
-        fault::function(lua, |lua, a| load(lua, Arguments::new("display.load", a, 2)?))?,
-    )?;
-    table.set(
-        "ramps",
-        fault::function(lua, |lua, a| {
-            display_fit::ramps(lua, Arguments::new("display.ramps", a, 2)?)
-        })?,
-    )?;
-    fault::refuse_unknown_names(lua, &table, "lampyris.display")?;
-    module.set("display", table)
+    functions(lua, module, "display", |functions| {
+        functions.add_value("eizo_t766", LuaDisplay::from(Display::eizo_t766()))?;
+        functions.add_value("srgb", LuaDisplay::from(Display::srgb()))?;
+        functions.add_value("p3", LuaDisplay::from(Display::p3()))?;
+        functions.add_value("rec2020", LuaDisplay::from(Display::rec2020()))?;
+        functions.add("p3_pq", 1, |_, a| pq(a, Display::p3_pq))?;
+        functions.add("rec2020_pq", 1, |_, a| pq(a, Display::rec2020_pq))?;
+        functions.add("new", 1, |_, a| new(a))?;
+        functions.add("fit", 1, display_fit::fit)?;
+        functions.add("load", 2, load)?;
+        functions.add("ramps", 2, display_fit::ramps)
+    })
 }
 
 options! {
@@ -106,11 +89,10 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaDisplay> {
 }
 
 fn pq(
-    object: &'static str,
-    arguments: MultiValue,
+    mut arguments: Arguments,
     display: fn(f64) -> crate::Result<Display>,
 ) -> mlua::Result<LuaDisplay> {
-    let PqOptions { peak, bits } = Arguments::new(object, arguments, 1)?.record()?;
+    let PqOptions { peak, bits } = arguments.record()?;
     Ok(display(peak)?.with_bits(bits)?.into())
 }
 
@@ -188,30 +170,25 @@ fn channels(display: &LuaDisplay) -> Cell {
 }
 
 impl UserData for LuaDisplay {
-    fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
-        fields.add_field_method_get("gain", |_, this| Ok(this.display.curves().map(|c| c.gain)));
-        fields
-            .add_field_method_get("offset", |_, this| Ok(this.display.curves().map(|c| c.offset)));
-        fields.add_field_method_get("gamma", |_, this| Ok(this.display.curves().map(|c| c.gamma)));
-        fields.add_field_method_get("bits", |_, this| Ok(this.display.bits()));
-        fields.add_field_method_get("channels", |_, this| Ok(channels(this)));
+    fn register(registry: &mut UserDataRegistry<Self>) {
+        let mut members = Members::new(registry, "display");
+        members.field("gain", |_, this| Ok(this.display.curves().map(|c| c.gain)));
+        members.field("offset", |_, this| Ok(this.display.curves().map(|c| c.offset)));
+        members.field("gamma", |_, this| Ok(this.display.curves().map(|c| c.gamma)));
+        members.field("bits", |_, this| Ok(this.display.bits()));
+        members.field("channels", |_, this| Ok(channels(this)));
         // Of a fitted display; nil of others.
-        fields.add_field_method_get("verdict", |_, this| {
+        members.field("verdict", |_, this| {
             Ok(this.fitted.as_ref().map(|fitted| fitted.verdict.clone()))
         });
-        fields.add_field_method_get("plot", |_, this| Ok(display_fit::plot(this)));
-    }
-
-    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
-        fault::method(methods, "xyz", |_, this: &Self, a| {
-            let mut arguments = Arguments::new("display:xyz", a, 3)?;
+        members.field("plot", |_, this| Ok(display_fit::plot(this)));
+        members.method("xyz", 3, |_, this, mut arguments| {
             let digits = Range::new(0.0, f64::from(this.display.full_digit()), "");
             let mut digit = |what| arguments.number(what, digits);
             let color = this.display.xyz_from_digits([digit("r")?, digit("g")?, digit("b")?]);
             Ok((color.x, color.y, color.z))
         });
-        fault::method(methods, "digital", |_, this: &Self, a| {
-            let mut arguments = Arguments::new("display:digital", a, 3)?;
+        members.method("digital", 3, |_, this, mut arguments| {
             let mut part = |what| arguments.number(what, Range::ANY);
             let color = Xyz::new(part("X")?, part("Y")?, part("Z")?);
             let digits = this.display.digits_from_xyz(color);
@@ -220,11 +197,9 @@ impl UserData for LuaDisplay {
             })?;
             Ok((r, g, b))
         });
-        fault::method(methods, "verify", |lua, this: &Self, a| {
-            display_fit::verify(lua, &this.display, Arguments::new("display:verify", a, 1)?)
-        });
-        fault::method(methods, "save", |lua, this: &Self, a| {
-            let path = Arguments::new("display:save", a, 1)?.text("path")?;
+        members.method("verify", 1, |lua, this, a| display_fit::verify(lua, &this.display, a));
+        members.method("save", 1, |lua, this, mut a| {
+            let path = a.text("path")?;
             let target = host::of(lua)?.output(&path)?;
             if target.extension().is_none_or(|extension| extension != "icc") {
                 let found = format!("\"{path}\"");
@@ -234,7 +209,7 @@ impl UserData for LuaDisplay {
             let profile = this.display.icc_profile()?;
             Ok(output::write_atomically(&target, |file| file.write_all(&profile))?)
         });
-        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
+        members.text(|this| {
             let white = this.display.white();
             let [x, y] = white.chromaticity().unwrap_or_default();
             let (name, bits) = (this.display.name(), this.display.bits());
@@ -243,6 +218,6 @@ impl UserData for LuaDisplay {
                 white.y
             ))
         });
-        fault::refuse_unknown_fields(methods, "display", NAMES);
+        members.no_others();
     }
 }

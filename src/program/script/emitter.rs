@@ -2,14 +2,15 @@
 
 use mlua::{Lua, Table};
 
+use super::host;
 use super::kinds::{Choice, Flag, Handle, Kind, Nested, Number, SpectrumOrNumber, Vector};
 use super::light::{FLUX, LuaLight, SEED, reserve_samples, samples};
 use super::material::LuaMaterial;
+use super::members::Functions;
 use super::mesh::LuaMesh;
 use super::options::{Arguments, Range};
 use super::record::options;
 use super::scene::SceneObject;
-use super::{fault, host};
 use crate::error::Error;
 use crate::geometry::{DVec3, Mesh};
 use crate::light::RaySet;
@@ -19,19 +20,11 @@ use crate::source::{Coil, Cylinder, Emitter, Filament};
 use crate::spectrum::Spectrum;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    module.set("bulb", fault::function(lua, |lua, a| bulb(lua, Arguments::new("bulb", a, 2)?))?)?;
-    module.set(
-        "cylinder",
-        fault::function(lua, |lua, a| cylinder(lua, Arguments::new("cylinder", a, 1)?))?,
-    )?;
-    module.set(
-        "emitter",
-        fault::function(lua, |lua, a| emitter(lua, Arguments::new("emitter", a, 1)?))?,
-    )?;
-    module.set(
-        "filament",
-        fault::function(lua, |lua, a| filament(lua, Arguments::new("filament", a, 1)?))?,
-    )
+    let functions = Functions::of_module(lua, module);
+    functions.add("bulb", 2, bulb)?;
+    functions.add("cylinder", 1, cylinder)?;
+    functions.add("emitter", 1, emitter)?;
+    functions.add("filament", 1, filament)
 }
 
 options! {

@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
+use mlua::{Lua, Table, UserData, UserDataRegistry, Value};
 
+use super::host;
 use super::kinds::{Any, Count, Kind, List, Naming, Number, Numbers, SpectrumOrNumber, nested};
+use super::members::{Members, functions};
 use super::options::{self, Arguments, Range, wrong_type};
 use super::record::{Record, options};
 use super::spectrum::LuaSpectrum;
-use super::{fault, host};
 use crate::color::Xyz;
 use crate::color::upsampling::{ColorGamut, round_trip};
 use crate::environment::{
@@ -26,31 +27,18 @@ use crate::spectrum::{Spectrum, WavelengthGrid};
 #[derive(Debug, Clone)]
 pub struct LuaEnvironment(pub Arc<Environment>);
 
-const NAMES: [&str; 3] = ["illuminance", "spectrum", "xyz"];
-
 const LX: Number = Number(Range::above_zero("lx"));
 const AZIMUTH: Number = Number(Range::new(-360.0, 360.0, "degrees"));
 const CCT: Number = Number(Range::new(DAYLIGHT_RANGE_K[0], DAYLIGHT_RANGE_K[1], "K"));
 const LUMINANCE: Number = Number(Range::new(0.0, 1e12, "cd/m²"));
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    let table = lua.create_table()?;
-    table.set(
-        "load",
-        fault::function(lua, |lua, a| load(lua, Arguments::new("environment.load", a, 2)?))?,
-    )?;
-    table
-        .set("sky", fault::function(lua, |_, a| sky(Arguments::new("environment.sky", a, 1)?))?)?;
-    table.set(
-        "room",
-        fault::function(lua, |_, a| room(Arguments::new("environment.room", a, 1)?))?,
-    )?;
-    table.set(
-        "round_trip",
-        fault::function(lua, |_, a| colors_back(Arguments::new("environment.round_trip", a, 1)?))?,
-    )?;
-    fault::refuse_unknown_names(lua, &table, "lampyris.environment")?;
-    module.set("environment", table)
+    functions(lua, module, "environment", |functions| {
+        functions.add("load", 2, load)?;
+        functions.add("sky", 1, |_, a| sky(a))?;
+        functions.add("room", 1, |_, a| room(a))?;
+        functions.add("round_trip", 1, |_, a| colors_back(a))
+    })
 }
 
 options! {
@@ -352,38 +340,35 @@ impl LuaEnvironment {
         Ok(bands)
     }
 
-    fn seen(&self, object: &'static str, mut arguments: Arguments) -> mlua::Result<Vec<f64>> {
-        let [azimuth, elevation] = ["azimuth", "elevation"].map(|what| {
-            let value = arguments.value();
-            options::number(object, what, &value, Range::new(-360.0, 360.0, "degrees"))
-        });
-        self.bands(azimuth?, elevation?)
+    fn seen(&self, mut arguments: Arguments) -> mlua::Result<Vec<f64>> {
+        let mut angle = |what| arguments.number(what, Range::new(-360.0, 360.0, "degrees"));
+        self.bands(angle("azimuth")?, angle("elevation")?)
     }
 }
 
 impl UserData for LuaEnvironment {
-    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
-        fault::method(methods, "illuminance", |_, this: &Self, a| {
+    fn register(registry: &mut UserDataRegistry<Self>) {
+        let mut members = Members::new(registry, "environment");
+        members.method("illuminance", 1, |_, this, mut a| {
             const OBJECT: &str = "environment:illuminance";
-            let normal = match Arguments::new(OBJECT, a, 1)?.value() {
+            let normal = match a.value() {
                 Value::Nil => None,
                 value => Some(options::vector(OBJECT, "normal", &value)?),
             };
             this.illuminance(normal)
         });
-        fault::method(methods, "xyz", |_, this: &Self, a| {
-            const OBJECT: &str = "environment:xyz";
-            let bands = this.seen(OBJECT, Arguments::new(OBJECT, a, 2)?)?;
+        members.method("xyz", 2, |_, this, a| {
+            let bands = this.seen(a)?;
             let Xyz { x, y, z } = Xyz::from_bands(WavelengthGrid::Step5, &bands);
             Ok((x, y, z))
         });
-        fault::method(methods, "spectrum", |_, this: &Self, a| {
+        members.method("spectrum", 2, |_, this, a| {
             const OBJECT: &str = "environment:spectrum";
-            let bands = this.seen(OBJECT, Arguments::new(OBJECT, a, 2)?)?;
+            let bands = this.seen(a)?;
             let rows = WavelengthGrid::Step5.wavelengths_nm().zip(bands);
             Ok(LuaSpectrum(Arc::new(Spectrum::from_pairs(OBJECT, rows)?)))
         });
-        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
+        members.text(|this| {
             let kind = match this.0.dome() {
                 Dome::Picture(picture) => {
                     format!("picture, {} × {} pixels", picture.width(), picture.height())
@@ -401,6 +386,6 @@ impl UserData for LuaEnvironment {
             let lx = this.illuminance(None)?;
             Ok(format!("environment: {kind}{sun}, {lx:.0} lx on a level plane"))
         });
-        fault::refuse_unknown_fields(methods, "environment", NAMES);
+        members.no_others();
     }
 }

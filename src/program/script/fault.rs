@@ -170,17 +170,6 @@ pub(super) fn function<R: IntoLuaMulti>(
     })
 }
 
-/// A method whose errors carry the script's line.
-pub(super) fn method<T: 'static, R: IntoLuaMulti>(
-    methods: &mut impl mlua::UserDataMethods<T>,
-    name: &'static str,
-    f: impl Fn(&Lua, &T, MultiValue) -> mlua::Result<R> + Send + Sync + 'static,
-) {
-    methods.add_method(name, move |lua, this, arguments: MultiValue| {
-        f(lua, this, arguments).map_err(|error| located(lua, error))
-    });
-}
-
 /// Makes reading a name that a handle does not have an error with the nearest one.
 pub(super) fn refuse_unknown_fields<T: 'static>(
     methods: &mut impl mlua::UserDataMethods<T>,

@@ -2,17 +2,18 @@
 
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
+use mlua::{Lua, Table, UserData, UserDataRegistry, Value};
 
+use super::host;
 use super::image::{LuaImage, RegionOptions};
 use super::kinds::{
     Choice, Count, Custom, Flag, Handle, Kind, List, Naming, Nested, Number, Numbers, Or, Text,
     any, nested, numbers,
 };
 use super::look::{LOOK, RenditionOptions};
+use super::members::{Functions, Members};
 use super::options::{self, Arguments, Options, Range};
 use super::record::{Record, options};
-use super::{fault, host};
 use crate::color::Photometry;
 use crate::display::{Display, Look};
 use crate::error::Error;
@@ -27,13 +28,11 @@ use crate::program::figure::{
 #[derive(Debug, Clone)]
 pub struct LuaFigure(Arc<Figure>);
 
-const NAMES: [&str; 2] = ["save", "svg"];
-
 /// Pixels a side.
 const MAX_SIDE: u64 = 16_384;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    module.set("figure", fault::function(lua, |_, a| new(Arguments::new("figure", a, 1)?))?)
+    Functions::of_module(lua, module).add("figure", 1, |_, a| new(a))
 }
 
 impl LuaFigure {
@@ -374,9 +373,10 @@ fn cropped(panel: RasterPanel, region: Region) -> crate::Result<RasterPanel> {
 }
 
 impl UserData for LuaFigure {
-    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
-        fault::method(methods, "save", |lua, this: &Self, a| {
-            let path = Arguments::new("figure:save", a, 1)?.text("path")?;
+    fn register(registry: &mut UserDataRegistry<Self>) {
+        let mut members = Members::new(registry, "figure");
+        members.method("save", 1, |lua, this, mut a| {
+            let path = a.text("path")?;
             let target = host::of(lua)?.output(&path)?;
             match target.extension().and_then(|e| e.to_str()) {
                 Some("png") => Ok(figure::write_figure_png(&target, &this.0)?),
@@ -388,11 +388,11 @@ impl UserData for LuaFigure {
                 }
             }
         });
-        fault::method(methods, "svg", |_, this: &Self, _| Ok(figure::figure_svg(&this.0)?));
-        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
+        members.method("svg", 0, |_, this, _| Ok(figure::figure_svg(&this.0)?));
+        members.text(|this| {
             let Figure { width, height, panels, .. } = this.0.as_ref();
             Ok(format!("figure: {width} × {height}, {} panels", panels.len()))
         });
-        fault::refuse_unknown_fields(methods, "figure", NAMES);
+        members.no_others();
     }
 }

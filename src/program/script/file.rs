@@ -2,26 +2,20 @@
 
 use mlua::{Lua, Table};
 
-use super::options::Arguments;
-use super::{fault, host};
+use super::host;
+use super::members::Functions;
 use crate::error::Error;
 use crate::output;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    module.set(
-        "write",
-        fault::function(lua, |lua, a| {
-            let mut arguments = Arguments::new("write", a, 2)?;
-            let target = host::of(lua)?.output(&arguments.text("path")?)?;
-            Ok(output::write_text(&target, &arguments.text("text")?)?)
-        })?,
-    )?;
-    module.set(
-        "read",
-        fault::function(lua, |lua, a| {
-            let path = host::of(lua)?.input(&Arguments::new("read", a, 1)?.text("path")?)?;
-            host::reserve_for_file(lua, "read", &path)?;
-            std::fs::read_to_string(&path).map_err(|e| Error::io(&path, e).into())
-        })?,
-    )
+    let functions = Functions::of_module(lua, module);
+    functions.add("write", 2, |lua, mut arguments| {
+        let target = host::of(lua)?.output(&arguments.text("path")?)?;
+        Ok(output::write_text(&target, &arguments.text("text")?)?)
+    })?;
+    functions.add("read", 1, |lua, mut arguments| {
+        let path = host::of(lua)?.input(&arguments.text("path")?)?;
+        host::reserve_for_file(lua, "read", &path)?;
+        std::fs::read_to_string(&path).map_err(|e| Error::io(&path, e).into())
+    })
 }

@@ -3,17 +3,18 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, MultiValue, Table, UserData, UserDataFields, UserDataMethods, Value};
+use mlua::{Lua, MetaMethod, Table, UserData, UserDataRegistry, Value};
 
 use super::host::Host;
 use super::kinds::{Choice, Count, Handle, Kind, List, Naming, Nested};
 use super::look::PngOptions;
+use super::members::{Members, functions};
 use super::options::{self, Arguments, Range};
 use super::record::options;
 use super::spectrum::LuaSpectrum;
 use super::uncertainty::uncertainty;
 use super::view::MAX_SIDE;
-use super::{fault, figure, host};
+use super::{figure, host};
 use crate::color::Photometry;
 use crate::display::Look;
 use crate::error::Error;
@@ -51,18 +52,14 @@ struct RenderRun {
 const IMAGES: &str = "a list of {image, weight}";
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    let table = lua.create_table()?;
-    let load = fault::function(lua, |lua, a| {
-        let path = Arguments::new("image.load", a, 1)?.text("path")?;
-        let path = host::of(lua)?.input(&path)?;
-        host::reserve_for_file(lua, "image.load", &path)?;
-        Ok(LuaImage::of(output::read_exr(&path)?))
-    })?;
-    table.set("load", load)?;
-    table
-        .set("sum", fault::function(lua, |lua, a| sum(lua, Arguments::new("image.sum", a, 1)?))?)?;
-    fault::refuse_unknown_names(lua, &table, "lampyris.image")?;
-    module.set("image", table)
+    functions(lua, module, "image", |functions| {
+        functions.add("load", 1, |lua, mut arguments| {
+            let path = host::of(lua)?.input(&arguments.text("path")?)?;
+            host::reserve_for_file(lua, "image.load", &path)?;
+            Ok(LuaImage::of(output::read_exr(&path)?))
+        })?;
+        functions.add("sum", 1, sum)
+    })
 }
 
 /// `{ { a, 0.3 }, b, … }`: an image alone has the weight 1.
@@ -127,23 +124,6 @@ impl RegionOptions {
     }
 }
 
-const NAMES: [&str; 14] = [
-    "compare",
-    "false_color",
-    "height",
-    "homogeneity",
-    "intensity",
-    "layers",
-    "luminance",
-    "luminances",
-    "save",
-    "spectrum",
-    "stats",
-    "uncertainty",
-    "width",
-    "xyz",
-];
-
 impl LuaImage {
     pub(super) fn new(image: SpectralImage, stats: RenderStats, prepared: &Prepared) -> Self {
         let run = Some(RenderRun { stats, build: prepared.seconds });
@@ -196,8 +176,8 @@ impl LuaImage {
     }
 
     /// The region that a method is called with.
-    fn region_of(&self, object: &'static str, arguments: MultiValue) -> mlua::Result<Region> {
-        Ok(self.region(&Arguments::new(object, arguments, 1)?.record()?))
+    fn region_of(&self, mut arguments: Arguments) -> mlua::Result<Region> {
+        Ok(self.region(&arguments.record()?))
     }
 
     /// What its render did and cost.
@@ -213,88 +193,71 @@ impl LuaImage {
 }
 
 impl UserData for LuaImage {
-    fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
-        fields.add_field_method_get("width", |_, this| Ok(this.0.image.width));
-        fields.add_field_method_get("height", |_, this| Ok(this.0.image.height));
-        fields.add_field_method_get("layers", |_, this| {
+    fn register(registry: &mut UserDataRegistry<Self>) {
+        let mut members = Members::new(registry, "image");
+        members.field("width", |_, this| Ok(this.0.image.width));
+        members.field("height", |_, this| Ok(this.0.image.height));
+        members.field("layers", |_, this| {
             let image = &this.0.image;
             let layers = image.layers.iter();
             Ok(layers
                 .map(|layer| (layer.name.clone(), LuaImage::of(image.layer(layer))))
                 .collect::<BTreeMap<_, _>>())
         });
-        fields.add_field_method_get("stats", |_, this| Ok(this.stats()));
-    }
-
-    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
-        fault::method(methods, "spectrum", |_, this: &Self, a| {
+        members.field("stats", |_, this| Ok(this.stats()));
+        members.method("spectrum", 1, |_, this, a| {
             let image = &this.0.image;
-            let bands = image.mean_bands(this.region_of("image:spectrum", a)?)?;
+            let bands = image.mean_bands(this.region_of(a)?)?;
             let rows = image.grid.wavelengths_nm().zip(bands);
             Ok(LuaSpectrum(Arc::new(Spectrum::from_pairs("image:spectrum", rows)?)))
         });
-        fault::method(methods, "xyz", |_, this: &Self, a| {
-            let xyz = this.0.image.mean_xyz(this.region_of("image:xyz", a)?)?;
+        members.method("xyz", 1, |_, this, a| {
+            let xyz = this.0.image.mean_xyz(this.region_of(a)?)?;
             Ok((xyz.x, xyz.y, xyz.z))
         });
-        fault::method(methods, "luminance", |_, this: &Self, a| {
-            Ok(this.0.image.mean_xyz(this.region_of("image:luminance", a)?)?.y)
-        });
-        fault::method(methods, "intensity", |lua, this: &Self, a| {
-            Arguments::new("image:intensity", a, 0)?;
+        members
+            .method("luminance", 1, |_, this, a| Ok(this.0.image.mean_xyz(this.region_of(a)?)?.y));
+        members.method("intensity", 0, |lua, this, _| {
             let view = this.view("image:intensity")?;
             warn_of_cut_off(&host::of(lua)?, &this.0.image, &view);
             Ok(intensity::intensity(&this.0.image, &view)?.y)
         });
-        fault::method(methods, "luminances", |_, this: &Self, a| {
-            let region = this.region_of("image:luminances", a)?;
+        members.method("luminances", 1, |_, this, a| {
+            let region = this.region_of(a)?;
             region.check(this.0.image.width, this.0.image.height)?;
             let image = this.xyz_image();
             let luminance = |(x, y): (usize, usize)| image.pixels[y * image.width + x].y;
             Ok(region.pixels().map(luminance).collect::<Vec<_>>())
         });
-        fault::method(methods, "compare", |_, this: &Self, a| {
-            let mut arguments = Arguments::new("image:compare", a, 1)?;
+        members.method("compare", 1, |_, this, mut arguments| {
             let reference: Self = arguments.handle("argument 1", "an image")?;
             let difference = ImageDifference::between(&this.0.image, &reference.0.image)?;
             Ok(DIFFERENCE.record(&difference))
         });
-        fault::method(methods, "homogeneity", |_, this: &Self, a| {
-            this.homogeneity(Arguments::new("image:homogeneity", a, 1)?.record()?)
+        members.method("homogeneity", 1, |_, this, mut a| this.homogeneity(a.record()?));
+        members.method("uncertainty", 1, |lua, this, mut a| uncertainty(this, lua, a.record()?));
+        members.method("false_color", 1, |_, this, mut a| {
+            figure::false_color_figure(this, a.record()?)
         });
-        fault::method(methods, "uncertainty", |lua, this: &Self, a| {
-            uncertainty(this, lua, Arguments::new("image:uncertainty", a, 1)?.record()?)
-        });
-        fault::method(methods, "false_color", |_, this: &Self, a| {
-            figure::false_color_figure(this, Arguments::new("image:false_color", a, 1)?.record()?)
-        });
-        fault::method(methods, "save", |lua, this: &Self, a| {
-            save(lua, &this.0, Arguments::new("image:save", a, 2)?)
-        });
-        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
+        members.method("save", 2, |lua, this, a| save(lua, &this.0, a));
+        members.text(|this| {
             let Rendered { image, run } = this.0.as_ref();
             let (width, height, bands) = (image.width, image.height, image.grid.bands());
             let seconds = run.as_ref().map(|run| format!(", {:.2} s", run.stats.seconds));
             Ok(format!("image: {width} × {height}, {bands} bands{}", seconds.unwrap_or_default()))
         });
-        methods.add_meta_function(MetaMethod::Add, |lua, (a, b): (Value, Value)| {
+        members.operator(MetaMethod::Add, |lua, [a, b]| {
             let image =
                 |value: &Value| options::handle("image + image", "operand", value, "an image");
-            let terms = || Ok([(1.0, image(&a)?), (1.0, image(&b)?)]);
-            let sum = terms().and_then(|terms: [(f64, LuaImage); 2]| weighted(lua, &terms));
-            sum.map_err(|error| fault::located(lua, error))
+            weighted(lua, &[(1.0, image(&a)?), (1.0, image(&b)?)])
         });
-        methods.add_meta_function(MetaMethod::Mul, |lua, (a, b): (Value, Value)| {
+        members.operator(MetaMethod::Mul, |lua, [a, b]| {
             const OBJECT: &str = "number * image";
             let (image, weight) = if a.is_userdata() { (a, b) } else { (b, a) };
-            let term = || -> mlua::Result<(f64, LuaImage)> {
-                let weight = options::number(OBJECT, "operand", &weight, Range::ANY)?;
-                Ok((weight, options::handle(OBJECT, "operand", &image, "an image")?))
-            };
-            let scaled = term().and_then(|term| weighted(lua, &[term]));
-            scaled.map_err(|error| fault::located(lua, error))
+            let weight = options::number(OBJECT, "operand", &weight, Range::ANY)?;
+            weighted(lua, &[(weight, options::handle(OBJECT, "operand", &image, "an image")?)])
         });
-        fault::refuse_unknown_fields(methods, "image", NAMES);
+        members.no_others();
     }
 }
 

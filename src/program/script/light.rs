@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mlua::{Function, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods};
+use mlua::{Function, Lua, Table, UserData, UserDataRegistry};
 
 use super::host::Host;
 use super::image::LuaImage;
@@ -10,12 +10,13 @@ use super::kinds::{Callback, Count, Custom, Kind, Number, Or, SpectrumOrNumber, 
 use super::measured::{
     DIRECTIONS, Directions, EMITTER, EXPONENT, EmitterOption, plot_luminance, table_of,
 };
+use super::members::{Members, functions};
 use super::mesh::{LuaMesh, Transform};
 use super::options::{self, Arguments, Range};
 use super::record::{Record, options};
 use super::scene::SceneObject;
 use super::spectrum::LuaSpectrum;
-use super::{far_field, fault, host};
+use super::{far_field, host};
 use crate::error::Error;
 use crate::geometry::DVec3;
 use crate::light::{RaySample, RaySet};
@@ -44,36 +45,14 @@ impl LuaLight {
     }
 }
 
-const NAMES: [&str; 12] = [
-    "count",
-    "directions",
-    "flux",
-    "halves",
-    "noise",
-    "plot_luminance",
-    "rays",
-    "save",
-    "spectrum",
-    "start_surface",
-    "starting_at",
-    "transform",
-];
-
 pub(super) const FLUX: Range = Range::above_zero("lm");
 pub(super) const MAX_SAMPLES: u64 = 100_000_000;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    let table = lua.create_table()?;
-    table.set(
-        "load",
-        fault::function(lua, |lua, a| load(lua, Arguments::new("rayset.load", a, 2)?))?,
-    )?;
-    table.set(
-        "new",
-        fault::function(lua, |_, a| from_tables(Arguments::new("rayset.new", a, 1)?))?,
-    )?;
-    fault::refuse_unknown_names(lua, &table, "lampyris.rayset")?;
-    module.set("rayset", table)
+    functions(lua, module, "rayset", |functions| {
+        functions.add("load", 2, load)?;
+        functions.add("new", 1, |_, a| from_tables(a))
+    })
 }
 
 options! {
@@ -352,31 +331,25 @@ options! {
 }
 
 impl UserData for LuaLight {
-    fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
-        fields.add_field_method_get("count", |_, this| Ok(this.rays.samples.len()));
-        fields.add_field_method_get("directions", |_, this| Ok(this.rays.exponent));
-        fields.add_field_method_get("flux", |_, this| Ok(this.rays.flux_lm));
-        fields.add_field_method_get("start_surface", |_, this| {
+    fn register(registry: &mut UserDataRegistry<Self>) {
+        let mut members = Members::new(registry, "rayset");
+        members.field("count", |_, this| Ok(this.rays.samples.len()));
+        members.field("directions", |_, this| Ok(this.rays.exponent));
+        members.field("flux", |_, this| Ok(this.rays.flux_lm));
+        members.field("start_surface", |_, this| {
             let starts = Starts::of(&this.rays.samples);
             let is_source = starts.inner_source.is_none();
             Ok(Cell::from(starts.surface.map(|fit| START_SURFACE.record(&(fit, is_source)))))
         });
-        fields.add_field_method_get("spectrum", |_, this| {
-            Ok(LuaSpectrum(Arc::clone(&this.spectrum)))
-        });
-    }
-
-    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
-        fault::method(methods, "transform", |_, this: &Self, a| {
-            placed(this.clone(), &Arguments::new("rayset:transform", a, 1)?.record()?)
-        });
-        fault::method(methods, "save", |lua, this: &Self, a| {
-            let path = Arguments::new("rayset:save", a, 1)?.text("path")?;
+        members.field("spectrum", |_, this| Ok(LuaSpectrum(Arc::clone(&this.spectrum))));
+        members.method("transform", 1, |_, this, mut a| placed(this.clone(), &a.record()?));
+        members.method("save", 1, |lua, this, mut a| {
+            let path = a.text("path")?;
             let target = host::of(lua)?.output(&path)?;
             let format = SaveFormat::of(&target)?;
             Ok(output::save_rays(&target, &this.rays, &this.spectrum, format)?)
         });
-        fault::method(methods, "rays", |_, this: &Self, _| {
+        members.method("rays", 0, |_, this, _| {
             let lm_per_flux = this.rays.lm_per_flux();
             let ray = |sample: &RaySample| WorldRay {
                 position: this.rays.world_origin(sample),
@@ -386,33 +359,29 @@ impl UserData for LuaLight {
             let rays = this.rays.samples.iter();
             Ok(rays.map(|sample| RAY.record(&ray(sample))).collect::<Vec<_>>())
         });
-        fault::method(methods, "starting_at", |_, this: &Self, a| {
-            let start = Arguments::new("rayset:starting_at", a, 1)?.value();
+        members.method("starting_at", 1, |_, this, mut a| {
+            let start = a.value();
             let surface = StartOptions::read(START_OBJECT, start)?.surface()?;
             Ok(Self { rays: this.rays.clone().starting_at(&surface)?, ..this.clone() })
         });
-        fault::method(methods, "halves", |lua, this: &Self, a| {
-            let RaysetHalvesOptions { seed } = Arguments::new("rayset:halves", a, 1)?.record()?;
+        members.method("halves", 1, |lua, this, mut a| {
+            let RaysetHalvesOptions { seed } = a.record()?;
             host::of(lua)?.note_seed("rayset:halves", seed);
             let [first, second] = this.halves(seed);
             Ok((first, second))
         });
-        fault::method(methods, "noise", |lua, this: &Self, a| {
-            let asks_for_nothing = a.is_empty();
-            let arguments = Arguments::new("rayset:noise", a, 1)?;
+        members.method("noise", 1, |lua, this, arguments| {
+            let asks_for_nothing = arguments.is_empty();
             match table_of(this).filter(|_| asks_for_nothing) {
                 Some(table) => Ok(table.noise()),
                 None => noise(&host::of(lua)?, this, arguments),
             }
         });
-        fault::method(methods, "plot_luminance", |_, this: &Self, a| {
-            Arguments::new("rayset:plot_luminance", a, 0)?;
-            plot_luminance(this)
-        });
-        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
+        members.method("plot_luminance", 0, |_, this, _| plot_luminance(this));
+        members.text(|this| {
             let (count, flux_lm) = (this.rays.samples.len(), this.rays.flux_lm);
             Ok(format!("rayset: {count} samples, {flux_lm} lm"))
         });
-        fault::refuse_unknown_fields(methods, "rayset", NAMES);
+        members.no_others();
     }
 }

@@ -4,6 +4,7 @@ use mlua::{Lua, Table, Value};
 
 use super::figure::LuaFigure;
 use super::kinds::{Choice, Count, Kind, List, Naming, Number, Numbers, Text, missing, numbers};
+use super::members::Functions;
 use super::options::{self, Arguments, Range};
 use super::record::options;
 use super::spectrum::COLUMN;
@@ -78,10 +79,7 @@ impl Kind for PeakKind {
 const PEAKS: Range = Range::new(-180.0, 180.0, "degrees");
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    module.set(
-        "fit_lobe",
-        fault::function(lua, |lua, a| fit(lua, Arguments::new("fit_lobe", a, 1)?))?,
-    )
+    Functions::of_module(lua, module).add("fit_lobe", 1, fit)
 }
 
 fn fit(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use mlua::{IntoLua, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
+use mlua::{IntoLua, Lua, Table, UserData, UserDataRegistry, Value};
 
-use super::fault;
 use super::kinds::{Flag, Kind, Number, Or, SpectrumOrNumber, Text, Whole};
+use super::members::{Functions, Members};
 use super::options::{self, Arguments, Range};
 use super::record::options;
 use crate::error::Error;
@@ -57,8 +57,7 @@ const SHARE: Or<Number> = Or { kind: Number(Range::RATIO), default: 0.0 };
 const EXPONENT: Range = Range::new(EXPONENT_RANGE[0], EXPONENT_RANGE[1], "");
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    module
-        .set("material", fault::function(lua, |_, a| material(Arguments::new("material", a, 1)?))?)
+    Functions::of_module(lua, module).add("material", 1, |_, a| material(a))
 }
 
 fn material(mut arguments: Arguments) -> mlua::Result<LuaMaterial> {
@@ -176,21 +175,17 @@ impl IntoLua for NumberOrList {
     }
 }
 
-const NAMES: [&str; 6] = ["k_d", "k_rg", "k_s", "k_tg", "n_d", "n_s"];
-
 impl UserData for LuaMaterial {
-    fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
-        fields.add_field_method_get("k_d", |_, this| Ok(this.0.lobes.k_d));
-        fields.add_field_method_get("n_d", |_, this| Ok(this.0.lobes.n_d));
-        fields.add_field_method_get("k_s", |_, this| Ok(of_lobes(&this.0, |lobe| lobe.k_s)));
-        fields.add_field_method_get("n_s", |_, this| Ok(of_lobes(&this.0, |lobe| lobe.n_s)));
-        fields.add_field_method_get("k_rg", |_, this| Ok(this.0.k_rg));
-        fields.add_field_method_get("k_tg", |_, this| Ok(this.0.k_tg));
-    }
-
-    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
-        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| Ok(summary(&this.0)));
-        fault::refuse_unknown_fields(methods, "material", NAMES);
+    fn register(registry: &mut UserDataRegistry<Self>) {
+        let mut members = Members::new(registry, "material");
+        members.field("k_d", |_, this| Ok(this.0.lobes.k_d));
+        members.field("n_d", |_, this| Ok(this.0.lobes.n_d));
+        members.field("k_s", |_, this| Ok(of_lobes(&this.0, |lobe| lobe.k_s)));
+        members.field("n_s", |_, this| Ok(of_lobes(&this.0, |lobe| lobe.n_s)));
+        members.field("k_rg", |_, this| Ok(this.0.k_rg));
+        members.field("k_tg", |_, this| Ok(this.0.k_tg));
+        members.text(|this| Ok(summary(&this.0)));
+        members.no_others();
     }
 }
 

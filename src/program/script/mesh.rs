@@ -3,15 +3,16 @@
 use std::sync::Arc;
 
 use glam::DQuat;
-use mlua::{Function, Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
+use mlua::{Function, Lua, Table, UserData, UserDataRegistry, Value};
 
+use super::host;
 use super::kinds::{
     Bytes, Callback, Choice, Count, Flag, Kind, List, Naming, Nested, Number, Numbers, Or, Vector,
     vectors,
 };
+use super::members::{Members, functions};
 use super::options::{self, Arguments, Range};
 use super::record::options;
-use super::{fault, host};
 use crate::error::Error;
 use crate::geometry::import::{self, Interpolation, MeshFile, MeshReading, Selection};
 use crate::geometry::mesh::{Axis, Placement, Shading};
@@ -37,39 +38,16 @@ struct MeshNames {
     materials: Vec<String>,
 }
 
-const NAMES: [&str; 12] = [
-    "transform",
-    "save",
-    "triangle_count",
-    "bounds",
-    "flat",
-    "section",
-    "area",
-    "volume",
-    "open_edges",
-    "groups",
-    "objects",
-    "materials",
-];
-
 /// Cells a side of a surface grid.
 const MAX_CELLS: u64 = 100_000;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    let table = lua.create_table()?;
-    table.set(
-        "load",
-        fault::function(lua, |lua, a| load(lua, Arguments::new("mesh.load", a, 2)?))?,
-    )?;
-    table
-        .set("new", fault::function(lua, |_, a| from_tables(Arguments::new("mesh.new", a, 1)?))?)?;
-    table.set(
-        "surface",
-        fault::function(lua, |lua, a| surface(lua, Arguments::new("mesh.surface", a, 1)?))?,
-    )?;
-    table.set("merge", fault::function(lua, |_, a| merge(Arguments::new("mesh.merge", a, 1)?))?)?;
-    fault::refuse_unknown_names(lua, &table, "lampyris.mesh")?;
-    module.set("mesh", table)
+    functions(lua, module, "mesh", |functions| {
+        functions.add("load", 2, load)?;
+        functions.add("new", 1, |_, a| from_tables(a))?;
+        functions.add("surface", 1, surface)?;
+        functions.add("merge", 1, |_, a| merge(a))
+    })
 }
 
 fn new_handle(mesh: Mesh, smooth: bool) -> LuaMesh {
@@ -325,42 +303,36 @@ fn section(mesh: &Mesh, mut arguments: Arguments) -> mlua::Result<Vec<[[f64; 3];
 }
 
 impl UserData for LuaMesh {
-    fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
-        fields.add_field_method_get("triangle_count", |_, this| Ok(this.0.triangles.len()));
-        fields.add_field_method_get("bounds", |_, this| {
+    fn register(registry: &mut UserDataRegistry<Self>) {
+        let mut members = Members::new(registry, "mesh");
+        members.field("triangle_count", |_, this| Ok(this.0.triangles.len()));
+        members.field("bounds", |_, this| {
             let [low, high] = this.0.bounds();
             Ok([low.to_array(), high.to_array()])
         });
-        fields.add_field_method_get("area", |_, this| Ok(this.0.area_mm2()));
-        fields.add_field_method_get("volume", |_, this| Ok(this.0.volume_mm3()));
-        fields.add_field_method_get("open_edges", |_, this| Ok(Closure::of(&this.0).open_edges));
-        fields.add_field_method_get("groups", |_, this| Ok(this.1.groups.clone()));
-        fields.add_field_method_get("objects", |_, this| Ok(this.1.objects.clone()));
-        fields.add_field_method_get("materials", |_, this| Ok(this.1.materials.clone()));
-    }
-
-    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
-        fault::method(methods, "transform", |_, this: &Self, a| {
-            let transform: Transform = Arguments::new("mesh:transform", a, 1)?.record()?;
+        members.field("area", |_, this| Ok(this.0.area_mm2()));
+        members.field("volume", |_, this| Ok(this.0.volume_mm3()));
+        members.field("open_edges", |_, this| Ok(Closure::of(&this.0).open_edges));
+        members.field("groups", |_, this| Ok(this.1.groups.clone()));
+        members.field("objects", |_, this| Ok(this.1.objects.clone()));
+        members.field("materials", |_, this| Ok(this.1.materials.clone()));
+        members.method("transform", 1, |_, this, mut a| {
+            let transform: Transform = a.record()?;
             let placement = transform.placement("mesh:transform")?;
             Ok(this.with(this.0.transformed(&placement)))
         });
-        fault::method(methods, "save", |lua, this: &Self, a| {
-            let path = Arguments::new("mesh:save", a, 1)?.text("path")?;
+        members.method("save", 1, |lua, this, mut a| {
+            let path = a.text("path")?;
             let path = host::of(lua)?.output(&path)?;
             Ok(output::write_text(&path, &obj::to_text(&this.0))?)
         });
-        fault::method(methods, "flat", |_, this: &Self, _| {
-            Ok(this.with(Mesh::clone(&this.0).into_flat()))
-        });
-        fault::method(methods, "section", |_, this: &Self, a| {
-            section(&this.0, Arguments::new("mesh:section", a, 1)?)
-        });
-        methods.add_meta_method(MetaMethod::Len, |_, this, ()| Ok(this.0.triangles.len()));
-        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
+        members.method("flat", 0, |_, this, _| Ok(this.with(Mesh::clone(&this.0).into_flat())));
+        members.method("section", 1, |_, this, a| section(&this.0, a));
+        members.length(|this| this.0.triangles.len());
+        members.text(|this| {
             let [low, high] = this.0.bounds();
             Ok(format!("mesh: {} triangles, {low} to {high} mm", this.0.triangles.len()))
         });
-        fault::refuse_unknown_fields(methods, "mesh", NAMES);
+        members.no_others();
     }
 }

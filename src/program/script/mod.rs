@@ -14,6 +14,7 @@ mod far_field;
 mod fault;
 mod host;
 mod kinds;
+mod members;
 mod options;
 mod record;
 mod repl;

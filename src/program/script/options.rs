@@ -303,19 +303,24 @@ fn borrowed<T: UserData + Clone + 'static>(data: &AnyUserData) -> Option<T> {
 
 /// The arguments of a call, in order; missing ones are nil.
 pub struct Arguments {
-    object: &'static str,
+    object: Arc<str>,
     values: std::vec::IntoIter<Value>,
 }
 
 impl Arguments {
     /// Errors: more than `most` arguments.
-    pub fn new(object: &'static str, values: MultiValue, most: usize) -> mlua::Result<Self> {
-        let count = values.len();
+    pub fn new(object: impl Into<Arc<str>>, values: MultiValue, most: usize) -> mlua::Result<Self> {
+        let (object, count) = (object.into(), values.len());
         if count > most {
             let problem = format!("{count} arguments, expected at most {most}");
-            return Err(Error::inconsistent(object, problem).into());
+            return Err(Error::inconsistent(&object, problem).into());
         }
         Ok(Self { object, values: values.into_vec().into_iter() })
+    }
+
+    /// Whether none is left.
+    pub fn is_empty(&self) -> bool {
+        self.values.len() == 0
     }
 
     pub fn value(&mut self) -> Value {
@@ -324,7 +329,7 @@ impl Arguments {
 
     pub fn number(&mut self, what: &str, range: Range) -> mlua::Result<f64> {
         let value = self.value();
-        number(self.object, what, &value, range)
+        number(&self.object, what, &value, range)
     }
 
     /// One of our immutable handles.
@@ -334,16 +339,17 @@ impl Arguments {
         expected: &str,
     ) -> mlua::Result<T> {
         let value = self.value();
-        handle(self.object, what, &value, expected)
+        handle(&self.object, what, &value, expected)
     }
 
     pub fn text(&mut self, what: &str) -> mlua::Result<String> {
         let value = self.value();
-        text(self.object, what, &value)
+        text(&self.object, what, &value)
     }
 
     /// A table of options, as its record reads it.
     pub(super) fn record<R: Record>(&mut self) -> mlua::Result<R> {
-        R::read(self.object, self.value())
+        let value = self.value();
+        R::read(&self.object, value)
     }
 }

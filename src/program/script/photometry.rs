@@ -2,15 +2,16 @@
 
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods};
+use mlua::{Lua, Table, UserData, UserDataRegistry};
 
 use super::kinds::{Handle, Kind, List, Naming, Number, Text, Vector};
+use super::members::{Members, functions};
 use super::options::{Arguments, Range};
 use super::quality::{QUALITY, warn_of_target};
 use super::record::options;
 use super::scene::LuaScene;
 use super::view::{DISTANCE, FOV, pixels};
-use super::{fault, grid_check, host, image};
+use super::{grid_check, host, image};
 use crate::error::Error;
 use crate::geometry::DVec3;
 use crate::output;
@@ -21,8 +22,6 @@ use crate::view::View;
 /// Handle of a measured grid.
 #[derive(Debug, Clone)]
 pub struct LuaGrid(pub Arc<IntensityGrid>);
-
-const NAMES: [&str; 6] = ["at", "check", "flux", "h", "save", "v"];
 
 options! {
     struct GridOptions {
@@ -53,13 +52,7 @@ const H_DEG: [f64; 7] = [-20.0, -10.0, -5.0, 0.0, 5.0, 10.0, 20.0];
 const V_DEG: [f64; 5] = [-10.0, -5.0, 0.0, 5.0, 10.0];
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    let table = lua.create_table()?;
-    table.set(
-        "grid",
-        fault::function(lua, |lua, a| grid(lua, Arguments::new("photometry.grid", a, 1)?))?,
-    )?;
-    fault::refuse_unknown_names(lua, &table, "lampyris.photometry")?;
-    module.set("photometry", table)
+    functions(lua, module, "photometry", |functions| functions.add("grid", 1, grid))
 }
 
 fn grid(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaGrid> {
@@ -126,15 +119,12 @@ impl LuaGrid {
 }
 
 impl UserData for LuaGrid {
-    fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
-        fields.add_field_method_get("h", |_, this| Ok(this.0.h_deg().to_vec()));
-        fields.add_field_method_get("v", |_, this| Ok(this.0.v_deg().to_vec()));
-        fields.add_field_method_get("flux", |_, this| Ok(this.0.flux_lm));
-    }
-
-    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
-        fault::method(methods, "at", |_, this: &Self, a| {
-            let mut arguments = Arguments::new("grid:at", a, 2)?;
+    fn register(registry: &mut UserDataRegistry<Self>) {
+        let mut members = Members::new(registry, "grid");
+        members.field("h", |_, this| Ok(this.0.h_deg().to_vec()));
+        members.field("v", |_, this| Ok(this.0.v_deg().to_vec()));
+        members.field("flux", |_, this| Ok(this.0.flux_lm));
+        members.method("at", 2, |_, this, mut arguments| {
             let h_deg = arguments.number("h", Range::ANY)?;
             let v_deg = arguments.number("v", Range::ANY)?;
             let xyz = this.0.at(Direction { h_deg, v_deg }).ok_or_else(|| {
@@ -143,17 +133,13 @@ impl UserData for LuaGrid {
             })?;
             Ok(xyz.y)
         });
-        fault::method(methods, "check", |lua, this: &Self, a| {
-            grid_check::check(lua, &this.0, Arguments::new("grid:check", a, 1)?.value())
-        });
-        fault::method(methods, "save", |lua, this: &Self, a| {
-            this.save(lua, Arguments::new("grid:save", a, 2)?)
-        });
-        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
+        members.method("check", 1, |lua, this, mut a| grid_check::check(lua, &this.0, a.value()));
+        members.method("save", 2, |lua, this, a| this.save(lua, a));
+        members.text(|this| {
             let (h, v) = (this.0.h_deg().len(), this.0.v_deg().len());
             let most = this.0.rows().map(|(_, xyz)| xyz.y).fold(0.0, f64::max);
             Ok(format!("photometric grid: {h} × {v} directions, up to {most:.4} cd"))
         });
-        fault::refuse_unknown_fields(methods, "grid", NAMES);
+        members.no_others();
     }
 }

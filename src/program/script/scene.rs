@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataMethods, Value};
+use mlua::{Lua, Table, UserData, UserDataRegistry, Value};
 
 use super::environment::BackgroundKind;
 use super::host::Host;
@@ -12,12 +12,13 @@ use super::kinds::{
 };
 use super::light::{LuaLight, SEED, samples};
 use super::material::LuaMaterial;
+use super::members::{Functions, Members};
 use super::mesh::LuaMesh;
 use super::options::{Arguments, Range};
 use super::quality::{TraceOptions, asked, light_error, warn_of_target};
 use super::record::{Record, options};
 use super::view::LuaView;
-use super::{fault, host, paths};
+use super::{host, paths};
 use crate::color::Photometry;
 use crate::error::Error;
 use crate::material::Material;
@@ -87,7 +88,7 @@ options! {
 }
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    module.set("scene", fault::function(lua, |lua, a| new(lua, Arguments::new("scene", a, 1)?))?)
+    Functions::of_module(lua, module).add("scene", 1, new)
 }
 
 fn new(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
@@ -216,17 +217,12 @@ pub(super) fn warn_of_view(host: &Host, prepared: &Prepared, view: &View) {
 }
 
 impl UserData for LuaScene {
-    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
-        fault::method(methods, "render", |lua, this: &Self, a| {
-            this.render(lua, Arguments::new("scene:render", a, 2)?)
-        });
-        fault::method(methods, "check_light_error", |lua, this: &Self, a| {
-            this.check_light_error(lua, Arguments::new("scene:check_light_error", a, 2)?)
-        });
-        fault::method(methods, "paths", |lua, this: &Self, a| {
-            paths::paths(this, lua, Arguments::new("scene:paths", a, 2)?)
-        });
-        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| {
+    fn register(registry: &mut UserDataRegistry<Self>) {
+        let mut members = Members::new(registry, "scene");
+        members.method("render", 2, |lua, this, a| this.render(lua, a));
+        members.method("check_light_error", 2, |lua, this, a| this.check_light_error(lua, a));
+        members.method("paths", 2, |lua, this, a| paths::paths(this, lua, a));
+        members.text(|this| {
             let scene = &this.0.scene;
             let triangles: usize = scene.objects.iter().map(|o| o.mesh.triangles.len()).sum();
             Ok(format!(
@@ -235,6 +231,6 @@ impl UserData for LuaScene {
                 scene.lights.len()
             ))
         });
-        fault::refuse_unknown_fields(methods, "scene", ["check_light_error", "paths", "render"]);
+        members.no_others();
     }
 }

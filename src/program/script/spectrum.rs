@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods, Value};
+use mlua::{Lua, MetaMethod, Table, UserData, UserDataRegistry, Value};
 
+use super::host;
 use super::kinds::{Count, Custom, Flag, Kind, Name, Numbers, Or};
+use super::members::{Members, functions};
 use super::options::{self, Arguments, Range};
 use super::record::options;
-use super::{fault, host};
 use crate::columns::TableChoice;
 use crate::error::Error;
 use crate::spectrum::{Spectrum, WavelengthGrid, cie};
@@ -16,45 +17,24 @@ use crate::spectrum::{Spectrum, WavelengthGrid, cie};
 #[derive(Debug, Clone)]
 pub struct LuaSpectrum(pub Arc<Spectrum>);
 
-const NAMES: [&str; 7] = ["at", "clamped", "luminous_flux", "range", "values", "xy", "xyz"];
-
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    let table = lua.create_table()?;
-    table.set(
-        "load",
-        fault::function(lua, |lua, a| load(lua, Arguments::new("spectrum.load", a, 2)?))?,
-    )?;
-    table.set(
-        "new",
-        fault::function(lua, |_, a| from_pairs(Arguments::new("spectrum.new", a, 1)?))?,
-    )?;
-    table.set(
-        "constant",
-        fault::function(lua, |_, a| {
-            let mut arguments = Arguments::new("spectrum.constant", a, 1)?;
+    functions(lua, module, "spectrum", |functions| {
+        functions.add("load", 2, load)?;
+        functions.add("new", 1, |_, a| from_pairs(a))?;
+        functions.add("constant", 1, |_, mut arguments| {
             Ok(new_handle(Spectrum::constant(arguments.number("value", Range::ANY)?)))
-        })?,
-    )?;
-    table.set(
-        "blackbody",
-        fault::function(lua, |_, a| {
-            let mut arguments = Arguments::new("spectrum.blackbody", a, 1)?;
+        })?;
+        functions.add("blackbody", 1, |_, mut arguments| {
             let kelvin = arguments.number("temperature", Range::new(100.0, 1e9, "K"))?;
             Ok(new_handle(Spectrum::blackbody(kelvin)))
-        })?,
-    )?;
-    table.set(
-        "illuminant",
-        fault::function(lua, |_, a| {
-            let mut arguments = Arguments::new("spectrum.illuminant", a, 1)?;
+        })?;
+        functions.add("illuminant", 1, |_, mut arguments| {
             let name = arguments.text("name")?;
             let known = cie::ILLUMINANTS.map(|n| (n, n));
             let name = options::choice("spectrum.illuminant", "name", &name, &known)?;
             Ok(cie::illuminant(name).map(new_handle))
-        })?,
-    )?;
-    fault::refuse_unknown_names(lua, &table, "lampyris.spectrum")?;
-    module.set("spectrum", table)
+        })
+    })
 }
 
 fn new_handle(spectrum: Spectrum) -> LuaSpectrum {
@@ -120,50 +100,45 @@ pub(super) fn grid_from_step(
 }
 
 impl UserData for LuaSpectrum {
-    fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
+    fn register(registry: &mut UserDataRegistry<Self>) {
+        let mut members = Members::new(registry, "spectrum");
         // First and last wavelength of the table; nil of a constant.
-        fields.add_field_method_get("range", |_, this| Ok(this.0.range_nm()));
-    }
-
-    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
-        fault::method(methods, "at", |_, this: &Self, a| {
+        members.field("range", |_, this| Ok(this.0.range_nm()));
+        members.method("at", 1, |_, this, mut a| {
             let lambda = Range::above_zero("nm");
-            Ok(this.0.at(Arguments::new("spectrum:at", a, 1)?.number("wavelength", lambda)?))
+            Ok(this.0.at(a.number("wavelength", lambda)?))
         });
-        fault::method(methods, "clamped", |_, this: &Self, a| {
-            let mut arguments = Arguments::new("spectrum:clamped", a, 2)?;
+        members.method("clamped", 2, |_, this, mut arguments| {
             let low = arguments.number("low", Range::ANY)?;
             let above = Range::new(low, f64::INFINITY, "");
             Ok(new_handle(this.0.clamped(low, arguments.number("high", above)?)))
         });
-        fault::method(methods, "values", |_, this: &Self, a| {
-            let grid = match Arguments::new("spectrum:values", a, 1)?.value() {
+        members.method("values", 1, |_, this, mut a| {
+            let grid = match a.value() {
                 Value::Nil => WavelengthGrid::Step5,
                 step => grid_from_step("spectrum:values", "step", &step)?,
             };
             Ok(this.0.on_grid(grid))
         });
-        fault::method(methods, "xyz", |_, this: &Self, _| {
+        members.method("xyz", 0, |_, this, _| {
             let xyz = this.0.xyz();
             Ok((xyz.x, xyz.y, xyz.z))
         });
-        fault::method(methods, "xy", |_, this: &Self, _| {
+        members.method("xy", 0, |_, this, _| {
             let [x, y] = this.0.xyz().chromaticity().ok_or_else(|| {
                 Error::inconsistent("spectrum:xy", "spectrum is black, which has no chromaticity")
             })?;
             Ok((x, y))
         });
-        fault::method(methods, "luminous_flux", |_, this: &Self, _| {
+        members.method("luminous_flux", 0, |_, this, _| {
             Ok(this.0.luminous_flux(WavelengthGrid::Step5))
         });
-        methods.add_meta_function(MetaMethod::Mul, |lua, (a, b): (Value, Value)| {
-            combine("spectrum *", &a, &b, Spectrum::product).map_err(|e| fault::located(lua, e))
+        members.operator(MetaMethod::Mul, |_, [a, b]| {
+            combine("spectrum *", &a, &b, Spectrum::product)
         });
-        methods.add_meta_function(MetaMethod::Add, |lua, (a, b): (Value, Value)| {
-            combine("spectrum +", &a, &b, Spectrum::sum).map_err(|e| fault::located(lua, e))
-        });
-        methods.add_meta_method(MetaMethod::ToString, |_, this, ()| Ok(summary(&this.0)));
-        fault::refuse_unknown_fields(methods, "spectrum", NAMES);
+        members.operator(MetaMethod::Add, |_, [a, b]| combine("spectrum +", &a, &b, Spectrum::sum));
+        members.text(|this| Ok(summary(&this.0)));
+        members.no_others();
     }
 }
 

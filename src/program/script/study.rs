@@ -9,6 +9,7 @@ use super::fault;
 use super::host;
 use super::kinds::{Any, Callback, Choice, Count, Kind, List, Number, Numbers, Text, numbers};
 use super::light::SEED;
+use super::members::Functions;
 use super::options::{self, Arguments, Range};
 use super::record::{Record, options};
 use super::sweep::source;
@@ -63,7 +64,7 @@ fn values() -> List<Number> {
 }
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    module.set("study", fault::function(lua, |lua, a| study(lua, Arguments::new("study", a, 1)?))?)
+    Functions::of_module(lua, module).add("study", 1, study)
 }
 
 fn study(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {

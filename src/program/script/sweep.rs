@@ -8,11 +8,11 @@ use std::sync::Arc;
 use mlua::{Lua, Table, Value};
 use serde_json::json;
 
-use super::fault;
 use super::host::{self, Host, ScriptInput};
 use super::image::RegionOptions;
 use super::kinds::{Choice, Custom, Handle, Kind, Nested, Text, any, missing};
 use super::look::PngOptions;
+use super::members::Functions;
 use super::options::{self, Arguments};
 use super::quality::QUALITY;
 use super::record::{Record, options};
@@ -59,7 +59,7 @@ options! {
 const SHARE: Choice<Share> = Choice(&[("one", Share::One), ("each", Share::Each)]);
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    module.set("sweep", fault::function(lua, |lua, a| sweep(lua, Arguments::new("sweep", a, 1)?))?)
+    Functions::of_module(lua, module).add("sweep", 1, sweep)
 }
 
 fn sweep(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Cell> {

@@ -1,11 +1,11 @@
 //! `lampyris.view`.
 
-use mlua::{Lua, MetaMethod, Table, UserData, UserDataFields, UserDataMethods};
+use mlua::{Lua, Table, UserData, UserDataRegistry};
 
 use super::kinds::{Count, Kind, Number, Or, Vector};
+use super::members::{Functions, Members};
 use super::options::{Arguments, Range};
-use super::record::{Record, options};
-use super::{cell, fault};
+use super::record::options;
 use crate::geometry::DVec3;
 use crate::program::results::VIEW;
 use crate::view::View;
@@ -18,7 +18,7 @@ pub struct LuaView(pub View);
 pub(super) const MAX_SIDE: u64 = 65_536;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
-    module.set("view", fault::function(lua, |_, a| view(Arguments::new("view", a, 1)?))?)
+    Functions::of_module(lua, module).add("view", 1, |_, a| view(a))
 }
 
 options! {
@@ -63,13 +63,10 @@ fn view(mut arguments: Arguments) -> mlua::Result<LuaView> {
 }
 
 impl UserData for LuaView {
-    fn add_fields<F: UserDataFields<Self>>(fields: &mut F) {
-        cell::add_fields(fields, &VIEW, |this| &this.0);
-    }
-
-    fn add_methods<M: UserDataMethods<Self>>(methods: &mut M) {
-        methods
-            .add_meta_method(MetaMethod::ToString, |_, this, ()| Ok(format!("view: {}", this.0)));
-        fault::refuse_unknown_fields(methods, "view", ViewOptions::keys());
+    fn register(registry: &mut UserDataRegistry<Self>) {
+        let mut members = Members::new(registry, "view");
+        members.record(&VIEW, |this| &this.0);
+        members.text(|this| Ok(format!("view: {}", this.0)));
+        members.no_others();
     }
 }
