@@ -26,7 +26,7 @@ const OPTIONS: &[[&str; 2]] = &[
     ["FilamentOptions", "L.filament(X)"],
     ["BulbOptions", "L.bulb('P21W', X)"],
     ["SceneOptions", "L.scene(X)"],
-    ["Object", "L.scene { objects = { X } }"],
+    ["SceneObject", "L.scene { objects = { X } }"],
     ["ViewOptions", "L.view(X)"],
     ["QualityOptions", "scene:render(view, X)"],
     ["AdaptiveSamples", "scene:render(view, { samples = X })"],
