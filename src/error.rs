@@ -130,6 +130,18 @@ impl fmt::Display for Hint {
     }
 }
 
+/// Larger numbers are mistakes, and are refused where they enter: sums and products of a few that
+/// are not fit into every file that is written.
+pub const LARGEST: f64 = 1e32;
+
+/// [`LARGEST`] in words, for messages.
+pub(crate) const NUMBERS: &str = "finite numbers up to 1e32";
+
+/// Whether a number may enter.
+pub(crate) fn may_enter(number: f64) -> bool {
+    number.abs() <= LARGEST
+}
+
 impl Error {
     /// [`Error::BadFile`].
     pub fn bad_file(path: &Path, place: Place, problem: impl Into<String>) -> Self {

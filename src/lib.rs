@@ -13,7 +13,7 @@
 //!
 //! | storey | module | holds |
 //! |---|---|---|
-//! | ground | [`error`] | the one public error type |
+//! | ground | [`error`], [`input`] | the one public error type; files to be read |
 //! | | [`simd`], [`statistics`], [`columns`], [`fit`] | instruction sets; percentiles; tables of numbers in files; least squares |
 //! | | [`spectrum`], [`color`] | the wavelength grid, resampling, CIE tables; tristimulus values, CIELAB, color differences |
 //! | scene | [`geometry`] | rays, hits, meshes and their normals, mesh files, the BVH |
@@ -74,6 +74,7 @@ pub mod error;
 pub mod fit;
 pub mod geometry;
 pub mod image;
+pub mod input;
 pub mod light;
 pub mod material;
 pub mod output;

@@ -1,6 +1,6 @@
 //! The command line.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,6 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use lampyris::Error;
 use lampyris::display::{Display, Exposure, Look};
+use lampyris::input;
 use lampyris::output;
 use lampyris::program::develop::develop_files;
 use lampyris::program::progress::Verbosity;
@@ -145,6 +146,7 @@ fn main() -> ExitCode {
         Command::Run { script, options, shard, arguments } => options.start(|settings| {
             let settings = Settings { shard, arguments, ..settings };
             end_when_stuck(settings.clone());
+            confine_reading(&script, &settings)?;
             script::run(&script, settings)
         }),
         Command::Repl { options } => options.start(script::repl),
@@ -249,6 +251,13 @@ impl RunOptions {
             }
         }
     }
+}
+
+/// Whatever becomes of names while a script runs, files are read in these folders only.
+fn confine_reading(script: &Path, settings: &Settings) -> lampyris::Result<()> {
+    let beside_script = script.parent().unwrap_or(Path::new(""));
+    let known = [beside_script, Path::new("."), &settings.out];
+    input::confine(known.into_iter().chain(settings.read.iter().map(PathBuf::as_path)))
 }
 
 /// How long an interrupted script may take to end: some calls of Lua's library never look up.

@@ -18,7 +18,6 @@ pub mod units;
 mod wavelengths;
 
 use std::fmt;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 pub use bsdf::{Scatter, ScatterKind};
@@ -29,6 +28,7 @@ pub use foreign::hint_of_content;
 pub use wavelengths::{TableChoice, WavelengthCurve};
 
 use crate::error::{Error, Place, Result};
+use crate::input;
 
 /// The kind of file that a table was read from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -171,10 +171,7 @@ impl Table {
     /// Errors: [`Error::Io`]; [`Error::BadFile`], with the line where there is one, for text that is
     /// binary, ambiguous or broken. A file without rows is a table without rows.
     pub fn read(path: &Path) -> Result<Self> {
-        let file = std::fs::File::open(path).map_err(|e| Error::io(path, e))?;
-        let mut bytes = Vec::new();
-        file.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(|e| Error::io(path, e))?;
-        Self::from_bytes(path, bytes)
+        Self::from_bytes(path, input::head(path, MOST_BYTES + 1)?)
     }
 
     /// As [`Self::read`]; `path` only names the bytes in messages.

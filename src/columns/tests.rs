@@ -241,7 +241,10 @@ fn what_is_no_row_is_refused_with_its_line() {
             "380,0.1\nhere is a word\n780,0.9\n785,0.9\n",
             "t.csv:2: has 1 columns, the other rows have 2 (\"here is a word\")",
         ),
-        ("380,NaN\n780,0.9\n", "t.csv:1: value at 380 nm is NaN, allowed: finite numbers"),
+        (
+            "380,NaN\n780,0.9\n",
+            "t.csv:1: value at 380 nm is NaN, allowed: finite numbers up to 1e32",
+        ),
         ("0,1\n780,0.9\n", "t.csv:1: wavelength is 0, allowed: finite and above 0 nm"),
         ("a\u{0}b\n", "t.csv:1: a control character: the file is no text"),
         ("\u{1f}\u{8b}", "t.csv:1: a control character: the file is no text"),

@@ -3,7 +3,7 @@
 use super::cells::Style;
 use super::units::{self, WavelengthUnit};
 use super::{Line, Table, TableRow, block};
-use crate::error::{Error, Place, Result};
+use crate::error::{self, Error, Place, Result};
 
 /// Which part of a table is wanted.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -198,8 +198,9 @@ impl Table {
         notes: &mut Vec<String>,
     ) -> Result<Vec<SpectrumEntry>> {
         let bad = |line, problem| Err(Error::bad_file(self.path(), Place::Line(line), problem));
-        if let Some(&(nm, value, line)) = entries.iter().find(|entry| !entry.1.is_finite()) {
-            return bad(line, format!("value at {nm} nm is {value}, allowed: finite numbers"));
+        if let Some(&(nm, value, line)) = entries.iter().find(|entry| !error::may_enter(entry.1)) {
+            let allowed = error::NUMBERS;
+            return bad(line, format!("value at {nm} nm is {value:?}, allowed: {allowed}"));
         }
         if entries.len() > 1 && entries[0].0 > entries[entries.len() - 1].0 {
             entries.reverse();

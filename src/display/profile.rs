@@ -11,6 +11,7 @@ use super::measured::MeasuredCurve;
 use super::model::{CHANNELS, Display, DisplayParameters};
 use crate::color::{D65_XY, Xyz};
 use crate::error::{Error, Place, Result};
+use crate::input;
 
 /// A display as its profile has it.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,8 +38,7 @@ pub fn is_icc_profile(head: &[u8]) -> bool {
 ///
 /// Errors: [`Error::Io`]; [`Error::BadFile`] for what is no profile of a display with a matrix.
 pub fn read_profile(path: &Path, white_cd_m2: Option<f64>) -> Result<ProfiledDisplay> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
-    display_from_profile(path, &bytes, white_cd_m2)
+    display_from_profile(path, &input::bytes(path)?, white_cd_m2)
 }
 
 /// As [`read_profile`]; `path` only names the bytes in messages.

@@ -73,7 +73,10 @@ impl<const N: usize, F: Fn(&[f64; N], usize) -> Residual<N>> Problem<N, F> {
         let covariance = (jacobian.transpose() * &jacobian).try_inverse();
         let spare = self.rows.saturating_sub(N);
         let standard_error = |i: usize| match (&covariance, spare) {
-            (Some(covariance), 1..) => (covariance[(i, i)] * squares / spare as f64).sqrt(),
+            // Rounding alone inverts what has no inverse, and gives what is no variance.
+            (Some(covariance), 1..) if covariance[(i, i)] > 0.0 => {
+                (covariance[(i, i)] * squares / spare as f64).sqrt()
+            }
             _ => f64::INFINITY,
         };
         Estimate {

@@ -99,17 +99,10 @@ impl Mesh {
         if triangles.is_empty() {
             return Err(Error::inconsistent(what, "no triangles"));
         }
-        if let Some(at) = positions.iter().position(|p| !p.is_finite()) {
-            let value = positions[at];
-            return Err(Error::out_of_range(
-                what,
-                &format!("position {}", at + 1),
-                value,
-                "finite numbers",
-            ));
-        }
-        let count = positions.len();
-        for (at, triangle) in triangles.iter().enumerate() {
+        let mesh = Self { positions, triangles, shading: Shading::Flat };
+        mesh.check_positions(what)?;
+        let count = mesh.positions.len();
+        for (at, triangle) in mesh.triangles.iter().enumerate() {
             if let Some(&index) = triangle.iter().find(|&&i| i as usize >= count) {
                 return Err(Error::out_of_range(
                     what,
@@ -119,7 +112,7 @@ impl Mesh {
                 ));
             }
         }
-        Ok(Self { positions, triangles, shading: Shading::Flat })
+        Ok(mesh)
     }
 
     /// The grid (i/nu, j/nv), 0 ≤ i ≤ nu, 0 ≤ j ≤ nv, row by row; cells with a corner that is
@@ -263,6 +256,14 @@ impl Mesh {
                 }
             },
         }
+    }
+
+    /// Errors: a position that is not finite; `what` names the mesh in the message.
+    pub fn check_positions(&self, what: &str) -> Result<()> {
+        self.positions.iter().position(|p| !p.is_finite()).map_or(Ok(()), |at| {
+            let position = format!("position {}", at + 1);
+            Err(Error::out_of_range(what, &position, self.positions[at], "finite numbers"))
+        })
     }
 
     /// Smallest and largest coordinates, mm.

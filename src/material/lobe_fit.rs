@@ -240,6 +240,9 @@ fn check_weights(table: &LobeTable) -> Result<Vec<f64>> {
     }
 }
 
+/// Exponents that are nearer than this are of one lobe.
+const SAME_LOBE: f64 = 1.001;
+
 /// The fit of LOBES lobes by PARAMETERS = 2 LOBES logarithms: of each amplitude, then exponent.
 /// Logarithms keep both above 0 and of one size.
 fn fit_lobes<const LOBES: usize, const PARAMETERS: usize>(
@@ -253,7 +256,12 @@ fn fit_lobes<const LOBES: usize, const PARAMETERS: usize>(
     if lobes.iter().any(|lobe| !(lobe.n.is_finite() && lobe.amplitude.is_finite())) {
         return Err(Error::inconsistent(OBJECT, "the fit does not converge"));
     }
-    // NaN is no error either.
+    if let [a, b] = lobes[..]
+        && a.n < SAME_LOBE * b.n
+    {
+        let problem = format!("both lobes have n = {:.3}: one describes the points", a.n);
+        return Err(Error::inconsistent(OBJECT, problem));
+    }
     if let Some(lobe) = lobes.iter().find(|lobe| lobe.n_error > lobe.n) {
         let FittedLobe { n, n_error, .. } = lobe;
         let problem =
@@ -456,6 +464,16 @@ mod tests {
             assert!((lobe.amplitude / amplitude - 1.0).abs() < 1e-6, "{lobe:?}");
             assert!((lobe.n_error / n_error - 1.0).abs() < 1e-4, "{lobe:?}");
             assert!((lobe.amplitude_error / amplitude_error - 1.0).abs() < 1e-4, "{lobe:?}");
+        }
+    }
+
+    #[test]
+    fn one_lobe_is_not_two() {
+        for space in [LobeSpace::Linear, LobeSpace::Log] {
+            let points = lobe(50.0, 1.0, 20.0, 21);
+            let found = fit_lobe(&LobeTable::new(&points), LobeCount::Two, space);
+            let message = found.unwrap_err().to_string();
+            assert!(message.starts_with("lobe fit: "), "{message}");
         }
     }
 

@@ -1,13 +1,16 @@
 //! Files that are there whole or not at all.
 
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock};
+use std::time::Duration;
 
 use crate::error::{Error, Result};
+use crate::input;
 
 /// Writes a file beside `path`, brings it to the disk and renames it to `path`.
 ///
@@ -38,6 +41,9 @@ pub fn write_csv<Row: AsRef<[f64]>>(
         let mut out = BufWriter::new(file);
         writeln!(out, "{}", header.join(","))?;
         for row in rows {
+            if let Some(value) = row.as_ref().iter().find(|value| !value.is_finite()) {
+                return Err(io::Error::other(format!("a value of the table is {value}")));
+            }
             let cells: Vec<String> = row.as_ref().iter().map(f64::to_string).collect();
             writeln!(out, "{}", cells.join(","))?;
         }
@@ -54,47 +60,98 @@ static CONFINED: OnceLock<PathBuf> = OnceLock::new();
 /// it in the meantime, nothing is written elsewhere (on Linux; other systems check names).
 /// Errors: [`Error::Io`] if there is no such place.
 pub fn confine(root: &Path) -> Result<()> {
-    let is_there = |path: &&Path| path.exists();
-    let existing = root.ancestors().find(is_there).unwrap_or(Path::new("."));
-    let rest = root.strip_prefix(existing).unwrap_or(root);
-    let existing = if existing == Path::new("") { Path::new(".") } else { existing };
-    let real = existing.canonicalize().map_err(|e| Error::io(existing, e))?;
-    CONFINED.get_or_init(|| real.join(rest));
+    let real = input::real_path(root).map_err(|e| Error::io(root, e))?;
+    CONFINED.get_or_init(|| real);
     Ok(())
+}
+
+/// Makes a folder and all above it. Errors: [`Error::Io`], also where [`confine`] forbids it.
+pub fn make_folder(folder: &Path) -> Result<()> {
+    Place::of(folder).map(drop).map_err(|e| Error::io(folder, e))
+}
+
+/// A new file that is added to while it is there, such as a log.
+///
+/// Errors: [`Error::Io`], also if there is one of this name.
+pub fn create(path: &Path) -> Result<File> {
+    let create = || {
+        let (place, name) = Place::of_file(path)?;
+        File::options().append(true).create_new(true).open(place.path.join(name))
+    };
+    create().map_err(|e| Error::io(path, e))
 }
 
 /// Writes through a handle of the folder, so that a name that changes its meaning changes nothing.
 fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
-    let folder = match path.parent() {
-        Some(folder) if folder != Path::new("") => folder,
-        _ => Path::new("."),
-    };
-    fs::create_dir_all(folder)?;
-    let handle = folder_handle(folder)?;
-    let place = place_of(handle.as_ref(), folder);
-    check_confined(&place)?;
-    let name = path.file_name().ok_or_else(|| io::Error::other("not the name of a file"))?;
-    let partial = Partial(place.join(partial_name(name)));
+    let (place, name) = Place::of_file(path)?;
+    if is_new_to_us(path.parent().unwrap_or(path)) {
+        remove_abandoned(&place.path);
+    }
+    let partial = Partial(place.path.join(partial_name(name)));
     let mut file = File::options().read(true).write(true).create_new(true).open(&partial.0)?;
+    let _ = file.try_lock(); // where there are no locks, nothing is taken for abandoned
     write(&mut file)?;
     file.sync_all()?;
     drop(file);
-    fs::rename(&partial.0, place.join(name))?;
+    fs::rename(&partial.0, place.path.join(name))?;
     // The rename itself survives a crash only if the folder is synced.
-    handle.map_or(Ok(()), |handle| handle.sync_all())
+    place.handle.map_or(Ok(()), |handle| handle.sync_all())
 }
 
-fn check_confined(place: &Path) -> io::Result<()> {
-    let Some(root) = CONFINED.get() else {
-        return Ok(());
-    };
-    // The link of an open folder is read as it is: its text is not to be looked up again.
-    let is_open = place.starts_with("/proc/self/fd");
-    let real = if is_open { fs::read_link(place)? } else { place.canonicalize()? };
-    if real.starts_with(root) {
-        return Ok(());
+/// A folder that is open, and where it may be written to.
+struct Place {
+    handle: Option<File>,
+    /// Names the very folder that is open, whatever its own name leads to now.
+    path: PathBuf,
+}
+
+impl Place {
+    /// The folder of a file, and the file's name in it.
+    fn of_file(path: &Path) -> io::Result<(Self, &OsStr)> {
+        let name = path.file_name().ok_or_else(|| io::Error::other("not the name of a file"))?;
+        Ok((Self::of(path.parent().unwrap_or(Path::new("")))?, name))
     }
-    Err(io::Error::new(io::ErrorKind::PermissionDenied, "outside of the output folder"))
+
+    /// Makes what is not there yet, each folder through a handle of the one above it.
+    fn of(folder: &Path) -> io::Result<Self> {
+        let is_there = |path: &&Path| path.is_dir();
+        let existing = folder.ancestors().find(is_there).unwrap_or(Path::new(""));
+        let rest = folder.strip_prefix(existing).unwrap_or(Path::new(""));
+        let existing = if existing == Path::new("") { Path::new(".") } else { existing };
+        let mut place = Self::open(existing)?;
+        for name in rest.components() {
+            let below = place.path.join(name);
+            if !is_confined(&place.real()?.join(name), true) {
+                return Err(outside());
+            }
+            match fs::create_dir(&below) {
+                Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
+                _ => place = Self::open(&below)?,
+            }
+        }
+        if is_confined(&place.real()?, false) { Ok(place) } else { Err(outside()) }
+    }
+
+    fn open(folder: &Path) -> io::Result<Self> {
+        let handle = folder_handle(folder)?;
+        let path = place_of(handle.as_ref(), folder);
+        Ok(Self { handle, path })
+    }
+
+    fn real(&self) -> io::Result<PathBuf> {
+        // The link of an open folder is read as it is: its text is not to be looked up again.
+        let is_open = self.path.starts_with("/proc/self/fd");
+        if is_open { fs::read_link(&self.path) } else { self.path.canonicalize() }
+    }
+}
+
+/// Whether a place is below the only one to write to, or on the way to it.
+fn is_confined(real: &Path, or_above: bool) -> bool {
+    CONFINED.get().is_none_or(|root| real.starts_with(root) || (or_above && root.starts_with(real)))
+}
+
+fn outside() -> io::Error {
+    io::Error::new(io::ErrorKind::PermissionDenied, "outside of the output folder")
 }
 
 /// A file that vanishes unless it is renamed.
@@ -107,12 +164,42 @@ impl Drop for Partial {
     }
 }
 
+fn is_new_to_us(folder: &Path) -> bool {
+    static KNOWN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    KNOWN.lock().unwrap_or_else(|e| e.into_inner()).insert(folder.to_owned())
+}
+
+/// Younger files may be about to be locked.
+const ABANDONED_AFTER: Duration = Duration::from_secs(60);
+
+/// Removes what killed processes had begun: partial files that nobody holds any more. What cannot be
+/// removed does no harm.
+fn remove_abandoned(place: &Path) {
+    for entry in fs::read_dir(place).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name.starts_with('.') && name.ends_with(PARTIAL) && is_abandoned(&entry) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+fn is_abandoned(entry: &fs::DirEntry) -> bool {
+    let age = |data: fs::Metadata| data.modified().ok()?.elapsed().ok();
+    // Of a link itself, which is no file.
+    let age = entry.metadata().ok().filter(fs::Metadata::is_file).and_then(age);
+    age.is_some_and(|age| age > ABANDONED_AFTER)
+        && File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok())
+}
+
+const PARTIAL: &str = ".partial";
+
 /// Hidden, in the same folder (renames do not cross file systems), unlike any other's.
 fn partial_name(name: &OsStr) -> String {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let count = COUNT.fetch_add(1, Ordering::Relaxed);
     let process = std::process::id();
-    format!(".{}.{process}.{count}.partial", name.to_string_lossy())
+    format!(".{}.{process}.{count}{PARTIAL}", name.to_string_lossy())
 }
 
 /// Folders open as files only on Unix.
@@ -126,7 +213,6 @@ fn folder_handle(_: &Path) -> io::Result<Option<File>> {
     Ok(None)
 }
 
-/// Names the very folder that is open, whatever its own name leads to now.
 #[cfg(target_os = "linux")]
 fn place_of(handle: Option<&File>, folder: &Path) -> PathBuf {
     use std::os::fd::AsRawFd;
@@ -167,6 +253,31 @@ mod tests {
         assert_eq!(error.unwrap_err().to_string(), format!("{}: disk full", path.display()));
         assert_eq!(fs::read_to_string(&path).unwrap(), "old");
         assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_killed_processes_left_is_removed() {
+        let scratch = ScratchFolder::new();
+        let long_ago = std::time::SystemTime::now() - 2 * ABANDONED_AFTER;
+        let begun = |name: &str, is_old: bool| {
+            let file = File::create(scratch.path(name)).unwrap();
+            if is_old {
+                file.set_modified(long_ago).unwrap();
+            }
+            file
+        };
+        begun(".a.exr.7.0.partial", true);
+        begun(".b.exr.7.1.partial", false);
+        let held = begun(".c.exr.8.0.partial", true);
+        held.lock().unwrap();
+        begun("d.partial", true);
+        write_text(&scratch.path("t.txt"), "one").unwrap();
+        let mut names: Vec<String> = fs::read_dir(scratch.path(""))
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        assert_eq!(names, [".b.exr.7.1.partial", ".c.exr.8.0.partial", "d.partial", "t.txt"]);
     }
 
     #[test]

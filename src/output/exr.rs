@@ -20,9 +20,10 @@ use ::exr::prelude::{
 };
 
 use super::atomic::write_atomically;
-use crate::color::{D65_XY, Photometry, REC709_XY, rec709_from_xyz};
+use crate::color::{D65_XY, Photometry, REC709_XY, Xyz, rec709_from_xyz};
 use crate::error::{Error, Place, Result};
 use crate::image::{Metadata, SpectralImage};
+use crate::input;
 use crate::spectrum::WavelengthGrid;
 
 /// Attribute that says what the bands are a density over.
@@ -59,6 +60,7 @@ pub fn write_exr_as(path: &Path, image: &SpectralImage, bands: ExrBands) -> Resu
     if image.width == 0 || image.height == 0 {
         return Err(Error::inconsistent("image", "has no pixels"));
     }
+    check_finite(image)?;
     let part = |image: &SpectralImage, name: Option<&str>| {
         let mut attributes = attributes(image, bands);
         attributes.layer_name = name.map(text);
@@ -85,6 +87,19 @@ pub fn write_exr_as(path: &Path, image: &SpectralImage, bands: ExrBands) -> Resu
     write_atomically(path, |file| {
         exr.write().to_unbuffered(&mut *file).map_err(io_error)?;
         sort_attributes(file)
+    })
+}
+
+/// Errors: a pixel that the file cannot hold.
+fn check_finite(image: &SpectralImage) -> Result<()> {
+    let fits = |c: &Xyz| [c.x, c.y, c.z].into_iter().all(|value| (value as f32).is_finite());
+    let xyz = image.to_xyz();
+    if let Some(at) = xyz.pixels.iter().position(|color| !fits(color)) {
+        return Err(xyz.pixel_error(at, "does not fit into the file"));
+    }
+    let is_bad = |layer: &&crate::image::Layer| layer.bands.iter().any(|value| !value.is_finite());
+    image.layers.iter().find(is_bad).map_or(Ok(()), |layer| {
+        Err(Error::inconsistent("image", format!("layer \"{}\" is not finite", layer.name)))
     })
 }
 
@@ -279,7 +294,8 @@ pub struct ExrInfo {
 
 /// Errors: [`Error::Io`]; [`Error::BadFile`] if it is no EXR file.
 pub fn read_exr_info(path: &Path) -> Result<ExrInfo> {
-    let meta = MetaData::read_from_file(path, false).map_err(|e| read_error(path, e))?;
+    let file = BufReader::new(input::open(path)?);
+    let meta = MetaData::read_from_buffered(file, false).map_err(|e| read_error(path, e))?;
     let header = meta.headers.first();
     let header = header.ok_or_else(|| Error::bad_file(path, Place::File, "has no layer"))?;
     let channels: Vec<String> = header.channels.list.iter().map(|c| string(&c.name)).collect();
@@ -323,7 +339,7 @@ pub fn read_exr(path: &Path) -> Result<SpectralImage> {
         .all_channels()
         .all_layers()
         .all_attributes()
-        .from_file(path)
+        .from_buffered(BufReader::new(input::open(path)?))
         .map_err(|e| read_error(path, e))?;
     let mut image = SpectralImage::new(info.width, info.height, grid, photometry_of(&info));
     image.metadata = own_metadata(&info);
@@ -353,14 +369,21 @@ fn place_part(
     for channel in part.channel_data.list {
         place_channel(image, &string(&channel.name), &channel.sample_data);
     }
+    let bad = |problem| Error::bad_file(path, Place::File, problem);
     let key = format!("{PREFIX}{BAND_SCALE}");
-    let Some(AttributeValue::Text(scale)) = part.attributes.other.get(&text(&key)) else {
-        return Ok(());
-    };
-    let bad = |_| Error::bad_file(path, Place::File, format!("{key} is no number"));
-    let scale: f32 = string(scale).parse().map_err(bad)?;
-    image.bands.iter_mut().for_each(|value| *value *= scale);
-    Ok(())
+    if let Some(AttributeValue::Text(scale)) = part.attributes.other.get(&text(&key)) {
+        let scale = string(scale).parse::<f32>();
+        let scale = scale.map_err(|_| bad(format!("{key} is no number")))?;
+        image.bands.iter_mut().for_each(|value| *value *= scale);
+    }
+    match image.bands.iter().position(|value| !value.is_finite()) {
+        None => Ok(()),
+        Some(at) => {
+            let pixel = at / image.grid.bands();
+            let (x, y) = (pixel % image.width, pixel / image.width);
+            Err(bad(format!("pixel ({x}, {y}) is not finite")))
+        }
+    }
 }
 
 fn describe_bands(wavelengths_nm: &[f64]) -> String {
@@ -411,13 +434,13 @@ mod tests {
     use crate::image::Region;
     use crate::output::scratch::ScratchFolder;
 
-    /// Values from subnormal to near the top of f32.
+    /// Values from subnormal to 1e31, whose tristimulus values fit too.
     fn image(grid: WavelengthGrid) -> SpectralImage {
         let mut image = SpectralImage::new(37, 21, grid, Photometry::Relative);
         let mut state = 1u32;
         for value in &mut image.bands {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            *value = f32::from_bits(state % 0x7f00_0000);
+            *value = f32::from_bits(state % 0x7300_0000);
         }
         image.error = Some((0..37 * 21).map(|i| i as f32 * 0.1).collect());
         image.samples = Some(vec![4.0; 37 * 21]);

@@ -18,7 +18,7 @@ use crate::light::RaySet;
 use crate::source::rayfile::{self, SaveFormat};
 use crate::spectrum::Spectrum;
 
-pub use atomic::{confine, write_atomically, write_csv, write_text};
+pub use atomic::{confine, create, make_folder, write_atomically, write_csv, write_text};
 pub use base64::base64;
 pub use exchange::{write_float_tiff, write_jpeg, write_tiff};
 pub use exr::{ExrBands, ExrInfo, read_exr, read_exr_info, write_exr, write_exr_as};

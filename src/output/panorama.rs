@@ -1,6 +1,5 @@
 //! Pictures of colors, read for surroundings: EXR and Radiance, told apart by content.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
@@ -10,6 +9,7 @@ use glam::{DMat3, DVec3};
 use super::radiance;
 use crate::color::{D65_XY, REC709_XY, Xyz, xyz_from_primaries};
 use crate::error::{Error, Place, Result};
+use crate::input;
 
 /// Linear colors, row by row from the top left.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,7 +54,7 @@ impl ColorPicture {
 /// Errors: [`Error::Io`]; [`Error::BadFile`] for other files, and for pixels that are not finite.
 pub fn read_color_picture(path: &Path) -> Result<ColorPicture> {
     const EXR: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
-    let mut file = BufReader::new(File::open(path).map_err(|e| Error::io(path, e))?);
+    let mut file = BufReader::new(input::open(path)?);
     let start = file.fill_buf().map_err(|e| Error::io(path, e))?;
     let picture = if start.starts_with(EXR) {
         exr_picture(path)?
@@ -81,7 +81,7 @@ fn exr_picture(path: &Path) -> Result<ColorPicture> {
         .all_channels()
         .first_valid_layer()
         .all_attributes()
-        .from_file(path)
+        .from_buffered(BufReader::new(input::open(path)?))
         .map_err(|e| super::exr::read_error(path, e))?;
     let channels = &image.layer_data.channel_data;
     let found = [["R", "G", "B"], ["X", "Y", "Z"], ["CIE.X", "CIE.Y", "CIE.Z"], ["Y", "Y", "Y"]]

@@ -1,7 +1,6 @@
 //! PNG files that say which colors their digits mean.
 
 use std::borrow::Cow;
-use std::fs::File;
 use std::io::{self, BufReader, BufWriter};
 use std::path::Path;
 
@@ -9,6 +8,7 @@ use super::atomic::write_atomically;
 use crate::display::{Developed, Display, DisplayImage, Look};
 use crate::error::{Error, Place, Result};
 use crate::image::{Metadata, SpectralImage};
+use crate::input;
 
 /// Digits with their meaning.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,7 +130,7 @@ impl Digits<'_> {
 /// Errors: [`Error::Io`]; [`Error::BadFile`] for another kind of file.
 pub fn read_png(path: &Path) -> Result<(Raster<'static>, u32)> {
     let bad = |problem: String| Error::bad_file(path, Place::File, problem);
-    let file = File::open(path).map_err(|e| Error::io(path, e))?;
+    let file = input::open(path)?;
     let broken = |e: ::png::DecodingError| bad(format!("not a readable PNG file: {e}"));
     let mut reader = ::png::Decoder::new(BufReader::new(file)).read_info().map_err(broken)?;
     let size = reader.output_buffer_size().ok_or_else(|| bad("is too large".to_owned()))?;
@@ -200,7 +200,7 @@ mod tests {
     }
 
     fn decode(path: &Path) -> (::png::Info<'static>, Vec<u8>) {
-        let file = BufReader::new(File::open(path).unwrap());
+        let file = BufReader::new(input::open(path).unwrap());
         let mut reader = ::png::Decoder::new(file).read_info().unwrap();
         let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
         reader.next_frame(&mut bytes).unwrap();

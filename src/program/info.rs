@@ -1,7 +1,5 @@
 //! What a file holds, in words: EXR images, ray files, meshes, spectrum tables, manifests.
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use crate::columns::{Table, TableChoice};
@@ -9,8 +7,8 @@ use crate::display::{self, ProfiledDisplay};
 use crate::error::{Error, Place, Result};
 use crate::geometry::Closure;
 use crate::geometry::import::{self, MeshFile, MeshReading};
+use crate::input;
 use crate::output;
-use crate::program::stamp::Stamp;
 use crate::program::sweep::Manifest;
 use crate::source::Starts;
 use crate::source::photometric;
@@ -26,11 +24,7 @@ const START: u64 = 4096;
 /// rest are rays, or else a spectrum.
 /// Errors: a file of none of these kinds, or a broken one.
 pub fn describe(path: &Path) -> Result<String> {
-    Stamp::of(path)?; // a named pipe would be waited for
-    let mut start = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(START).read_to_end(&mut start))
-        .map_err(|e| Error::io(path, e))?;
+    let start = input::head(path, START)?;
     let name = path.display();
     if start.is_empty() {
         return Err(Error::bad_file(path, Place::File, "is empty"));

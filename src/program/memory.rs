@@ -13,7 +13,11 @@ pub fn resident() -> Option<usize> {
 /// What the program may use unless its user says otherwise: three quarters of the machine's memory,
 /// or 4 GB where the system does not tell.
 pub fn default_limit() -> usize {
-    bytes_of("/proc/meminfo", "MemTotal:").map_or(4_000_000_000, |bytes| bytes / 4 * 3)
+    limit_of(bytes_of("/proc/meminfo", "MemTotal:"))
+}
+
+fn limit_of(machine: Option<usize>) -> usize {
+    machine.map_or(4_000_000_000, |bytes| bytes / 4 * 3)
 }
 
 /// Bytes as people read them.
@@ -26,4 +30,19 @@ fn bytes_of(file: &str, name: &str) -> Option<usize> {
     let line = text.lines().find_map(|line| line.strip_prefix(name))?;
     let kib: usize = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kib * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quarter_of_the_machine_is_left_to_others() {
+        assert_eq!(limit_of(Some(16 << 30)), 12 << 30);
+        assert_eq!(limit_of(None), 4_000_000_000);
+        if cfg!(target_os = "linux") {
+            let machine = bytes_of("/proc/meminfo", "MemTotal:").unwrap();
+            assert_eq!(default_limit(), limit_of(Some(machine)));
+        }
+    }
 }

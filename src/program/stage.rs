@@ -22,6 +22,11 @@ impl Stage {
         Self { scene, prepared: OnceLock::new(), fingerprint: OnceLock::new() }
     }
 
+    /// Whether [`Self::prepared`] has been called.
+    pub fn is_prepared(&self) -> bool {
+        self.prepared.get().is_some()
+    }
+
     /// The scene ready to be rendered; the first call prepares it, and warns of what looks
     /// unintended.
     ///

@@ -16,15 +16,9 @@ impl Stamp {
     /// Errors: [`Error::Io`]; [`Error::BadFile`] for what would be waited for, such as a named pipe.
     pub fn of(path: &Path) -> Result<Self> {
         let data = path.metadata().map_err(|e| Error::io(path, e))?;
-        if !data.is_file() && !data.is_dir() {
+        if !data.is_file() {
             return Err(Error::bad_file(path, Place::File, "is no regular file"));
         }
-        Ok(Self { length: data.len(), identity: identity(&data) })
-    }
-
-    /// Stamp of a script, which may come from a pipe. Errors: [`Error::Io`].
-    pub fn of_script(path: &Path) -> Result<Self> {
-        let data = path.metadata().map_err(|e| Error::io(path, e))?;
         Ok(Self { length: data.len(), identity: identity(&data) })
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::cie;
 use crate::columns::{Table, TableChoice, WavelengthCurve};
-use crate::error::{Error, Result};
+use crate::error::{self, Error, Result};
 use crate::spectrum::WavelengthGrid;
 
 /// Values over wavelength, linear between the rows of a table.
@@ -62,8 +62,15 @@ impl Spectrum {
     /// finite; `what` names the table in the message.
     pub fn from_pairs(what: &str, pairs: impl IntoIterator<Item = (f64, f64)>) -> Result<Self> {
         let (lambda_nm, values): (Vec<f64>, Vec<f64>) = pairs.into_iter().unzip();
-        match fault_in_table(&lambda_nm, &values) {
-            None => Ok(Self::of(lambda_nm, values)),
+        let spectrum = Self::of(lambda_nm, values);
+        spectrum.check(what)?;
+        Ok(spectrum)
+    }
+
+    /// Errors: a value beyond [`error::LARGEST`], as products have them; `what` names the spectrum.
+    pub fn check(&self, what: &str) -> Result<()> {
+        match fault_in_table(&self.lambda_nm, &self.values) {
+            None => Ok(()),
             Some(problem) => Err(Error::inconsistent(what, problem)),
         }
     }
@@ -270,8 +277,8 @@ fn fault_in_table(lambda_nm: &[f64], values: &[f64]) -> Option<String> {
         if !(l.is_finite() && l > 0.0) {
             return Some(format!("wavelength is {l}, allowed: finite and above 0 nm"));
         }
-        if !v.is_finite() {
-            return Some(format!("value at {l} nm is {v}, allowed: finite numbers"));
+        if !error::may_enter(v) {
+            return Some(format!("value at {l} nm is {v:?}, allowed: {}", error::NUMBERS));
         }
         if row > 0 && l <= lambda_nm[row - 1] {
             let before = lambda_nm[row - 1];
@@ -317,7 +324,7 @@ mod tests {
         );
         assert_eq!(
             problem(&[(400.0, f64::NAN)]),
-            "spectrum: value at 400 nm is NaN, allowed: finite numbers"
+            "spectrum: value at 400 nm is NaN, allowed: finite numbers up to 1e32"
         );
     }
 

@@ -1,10 +1,12 @@
-//! Mesh files that are broken in every way: no panic, and no more memory than the file justifies.
+//! Mesh files that are broken in every way, and dense tables: no panic, and no more memory than the
+//! file justifies.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
+use lampyris::columns::{Table, TableChoice};
 use lampyris::geometry::import::{self, MeshFile, MeshReading, Selection};
 
 /// The system's allocator, which notes how much is held, and the most that was.
@@ -246,5 +248,36 @@ fn dense_files_stay_within_sixteen_times_their_size() {
             "{most} bytes for {length}: {:.1}",
             most as f64 / length as f64
         );
+    }
+}
+
+/// A megabyte of short rows: memory stays below 16 times the file.
+#[test]
+fn dense_tables_stay_within_sixteen_times_their_size() {
+    let _alone = ALONE.lock().unwrap_or_else(|e| e.into_inner());
+    let rows = |start: &str, row: &dyn Fn(usize) -> String| -> Vec<u8> {
+        let rows: String = (0..).map(row).take(100_000).collect();
+        format!("{start}{rows}").into_bytes()
+    };
+    let utf16: Vec<u8> = rows("\u{feff}", &|_| "1 1\n".to_owned())
+        .utf8_chunks()
+        .flat_map(|chunk| chunk.valid().encode_utf16().flat_map(u16::to_le_bytes))
+        .collect();
+    let packed = "##FIRSTX=400\n##LASTX=700\n##NPOINTS=99999999\n##XYDATA=(X++(Y..Y))\n400A0s99999999\n##END=\n";
+    for bytes in [
+        rows("", &|_| "1 1\n".to_owned()),
+        rows("", &|at| format!("{:.3} 1\n", 400.0 + at as f64 * 1e-3)),
+        rows("nm;%\n", &|at| format!("{:.3};1\n", 400.0 + at as f64 * 1e-3).replace('.', ",")),
+        rows("", &|_| "1,1,1,1,1,1,1,1\n".to_owned()),
+        utf16,
+        packed.as_bytes().to_vec(),
+    ] {
+        let length = bytes.len();
+        let before = HELD.load(Relaxed) - length;
+        MOST.store(before, Relaxed);
+        let table = Table::from_bytes(Path::new("table"), bytes);
+        let _ = table.map(|table| drop(table.curve(&TableChoice::default())));
+        let most = MOST.load(Relaxed) - before;
+        assert!(most <= 16 * length + FIXED, "{most} bytes for {length}");
     }
 }

@@ -141,6 +141,89 @@ fn no_swap_of_folders_leads_writes_outside() {
     assert_eq!(bench.files("secret").len(), 0);
 }
 
+/// A folder becomes a link to another while files in it are read. Each reading has a name of its
+/// own: of a known name a changed file is noticed.
+#[cfg(target_os = "linux")]
+#[test]
+fn no_swap_of_folders_leads_reads_outside() {
+    let bench = Bench::new();
+    bench.write("secret/t.csv", "380,1\n780,1\n");
+    bench.write("in/d/t.csv", "380,2\n780,2\n");
+    let script = "local read = 0
+        for at = 1, 6000 do
+            local name = string.rep('./', at % 1500) .. 'd/t.csv'
+            local text, value
+            if at % 2 == 0 then
+                text, value = pcall(L.read, name)
+                value = value:sub(5, 5) == '1' and 1
+            else
+                text, value = pcall(L.spectrum.load, name)
+                value = text and value:at(500)
+            end
+            assert(value ~= 1, 'outside')
+            if text then read = read + 1 end
+        end
+        assert(read > 0)";
+    bench.write("in/script.lua", &format!("{BEFORE}{script}"));
+    let mut command = bench.command(&["run", "script.lua"]);
+    let mut child = command.current_dir(bench.path("in")).spawn().expect("a start");
+    let (folder, aside) = (bench.path("in/d"), bench.path("in/aside"));
+    while child.try_wait().expect("a status").is_none() {
+        std::fs::rename(&folder, &aside).expect("a folder");
+        std::os::unix::fs::symlink(bench.path("secret"), &folder).expect("a link");
+        std::fs::remove_file(&folder).expect("a link");
+        std::fs::rename(&aside, &folder).expect("a folder");
+    }
+    assert!(child.wait().expect("an end").success());
+}
+
+#[test]
+fn finite_in_and_finite_out() {
+    let bench = Bench::new();
+    let allowed = "allowed: finite numbers up to 1e32";
+    let huge_rays =
+        format!("x,y,z,dx,dy,dz,flux,wavelength\n{}", "0,0,0,0,0,1,3e38,555\n".repeat(9));
+    for script in [
+        "L.spectrum.constant(1e308)",
+        "L.spectrum.new { { 400, 1 }, { 500, -1e33 } }",
+        "local s = L.spectrum.constant(1e29) s = s * s",
+        "local s = L.spectrum.constant(1e32) s = s + s",
+        "L.spectrum.load 'huge.csv'",
+        "L.scene { objects = {}, background = 1e38 }",
+        "L.mesh.new { positions = { { 0, 0, 0 }, { 1e200, 0, 0 }, { 0, 1, 0 } }, triangles = { { 1, 2, 3 } } }",
+        "triangle:transform { scale = 1e308 }",
+        "L.rayset.load 'rays.csv'",
+        "L.rayset.new { positions = { { 0, 0, 0 } }, directions = { { 0, 0, 1 } }, flux = 1e40, spectrum = 1 }",
+    ] {
+        bench.write("huge.csv", "380,1\n780,1e308\n");
+        bench.write("rays.csv", &huge_rays);
+        let triangle = "local triangle = L.mesh.new { positions = { { 0, 0, 0 }, { 1, 0, 0 },
+            { 0, 1, 0 } }, triangles = { { 1, 2, 3 } } }";
+        let message = message_of(&bench, &format!("{triangle} {script}"), &[]);
+        assert!(message.ends_with(&format!("{allowed}\n")), "{script}: {message}");
+    }
+    bench.write("ramps.csv", "R,0,0\nR,128,inf\nR,255,20\nG,0,0\nG,255,60\nB,0,0\nB,255,8\n");
+    let fit = "L.display.fit { file = 'ramps.csv' }";
+    assert!(message_of(&bench, fit, &[]).contains("luminance is inf, allowed: finite"));
+    let two = "local points = {}
+        for a = 0, 20 do points[a + 1] = { a, math.cos(math.rad(a)) ^ 50 } end
+        L.fit_lobe { points = points, lobes = 2 }";
+    assert!(message_of(&bench, two, &[]).contains("lobe fit: "));
+    let grow = "local mesh = L.mesh.new { positions = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } },
+            triangles = { { 1, 2, 3 } } }
+        for _ = 1, 12 do mesh = mesh:transform { scale = 1e30 } end";
+    let message = message_of(&bench, grow, &[]);
+    assert!(message.contains("mesh:transform: position 2 is [inf, "), "{message}");
+    let sum = "local image = scene:render(view)
+        for _ = 1, 20 do image = L.image.sum { { image, 1e30 }, { image, 1e30 } } end";
+    let scene = "scene = L.scene { objects = {}, background = 1 }";
+    for save in ["image:save 'v.exr'", "image:save 'v.png'"] {
+        let message = message_of(&bench, &format!("{scene} {sum} {save}"), &[]);
+        assert!(message.contains("image: pixel x = 0, y = 0 "), "{message}");
+    }
+    assert!(!bench.path("out/v.exr").exists() && !bench.path("out/v.png").exists());
+}
+
 #[test]
 fn inputs_that_change_are_noticed() {
     let bench = Bench::new();

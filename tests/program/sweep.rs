@@ -7,7 +7,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use lampyris::output::{read_exr, read_png};
-use lampyris::program::sweep::Manifest;
+use lampyris::program::sweep::{Digest, Manifest, verify};
 
 use crate::bench::{Bench, text};
 
@@ -272,6 +272,58 @@ fn verify_finds_every_change() {
     assert!(message.contains("view_0002_luminance.png: No such file"), "{message}");
     assert!(message.contains("index.html: content has changed"), "{message}");
     assert_eq!(message.lines().count(), 3);
+}
+
+/// In any file but the one that tells seconds. `LAMPYRIS_MUTATIONS` sets the number.
+#[test]
+fn verify_finds_every_flipped_bit() {
+    let bench = bench();
+    finish(&bench);
+    let manifest = bench.path("out/s/manifest.json");
+    let found = || verify(&manifest, None).map_or(1, |report| report.problems.len());
+    assert_eq!(found(), 0);
+    let files: Vec<(String, Vec<u8>)> = bench.files("out/s").into_iter().collect();
+    let count = std::env::var("LAMPYRIS_MUTATIONS").ok().and_then(|n| n.parse().ok());
+    let mut state = 1u64;
+    for flip in 0..count.unwrap_or(150) {
+        let mut random = |below: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 33) as usize % below
+        };
+        let (name, good) = &files[random(files.len())];
+        let mut bytes = good.clone();
+        let at = random(bytes.len());
+        bytes[at] ^= 1 << random(8);
+        let path = bench.path(&format!("out/s/{name}"));
+        fs::write(&path, bytes).expect("a written file");
+        assert_ne!(found(), 0, "{flip}: byte {at} of {name}");
+        fs::write(&path, good).expect("a written file");
+    }
+    assert_eq!(found(), 0);
+}
+
+/// A manifest that names other files is refused, so that they are neither deleted nor shown.
+#[test]
+fn manifests_that_name_other_files_delete_nothing() {
+    let bench = bench();
+    finish(&bench);
+    bench.write("out/s/mine.png", "mine");
+    let manifest = fs::read_to_string(bench.path("out/s/manifest.json")).expect("a manifest");
+    for name in ["mine.png", "../../sweep.lua"] {
+        bench.write("out/s/manifest.json", &manifest.replace("view_0003_luminance.png", name));
+        let message = bench.fail(&RUN);
+        assert!(message.contains("manifest.json: "), "{name}: {message}");
+        assert!(bench.path("out/s/mine.png").exists() && bench.path("sweep.lua").exists());
+    }
+    // With a digest that fits, it is still no file of that view's.
+    let mut value: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
+    value["views"][2]["pictures"][0]["path"] = "mine.png".into();
+    value.as_object_mut().expect("an object").remove("sha256");
+    let digest = Digest::of_bytes(value.to_string().as_bytes());
+    value["sha256"] = digest.as_str().into();
+    bench.write("out/s/manifest.json", &format!("{value:#}\n"));
+    bench.succeed(&RUN);
+    assert_eq!(fs::read(bench.path("out/s/mine.png")).expect("a file"), b"mine");
 }
 
 #[test]

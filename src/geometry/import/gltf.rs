@@ -11,6 +11,7 @@ use super::parts::PolygonRun;
 use super::polygons::Polygons;
 use super::{Contents, MeshFault, MeshResult};
 use crate::geometry::DVec3;
+use crate::input;
 
 /// Nodes may repeat a mesh: this many triangles, or one for every 12 bytes of the file if that is
 /// more, are what memory in proportion to the file allows.
@@ -92,7 +93,7 @@ fn from_file(uri: &str, folder: &Path) -> MeshResult<Vec<u8>> {
     if !is_below || name.contains(':') {
         return Err(MeshFault::file(format!("buffer \"{uri}\" lies outside of the file's folder")));
     }
-    std::fs::read(folder.join(&name))
+    input::bytes(&folder.join(&name))
         .map_err(|error| MeshFault::file(format!("buffer \"{uri}\" cannot be read: {error}")))
 }
 

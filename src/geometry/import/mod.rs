@@ -16,6 +16,7 @@ use std::path::Path;
 
 use super::{Closure, Mesh};
 use crate::error::{Error, Place, Result};
+use crate::input;
 use parts::PolygonRun;
 use polygons::Polygons;
 
@@ -167,8 +168,7 @@ struct Contents {
 /// Errors: [`Error::Io`]; [`Error::BadFile`] with the line or record; other formats, with how to
 /// export; a part that is not there, with the names that are.
 pub fn load(path: &Path, reading: &MeshReading) -> Result<MeshFile> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
-    from_bytes(path, bytes, reading)
+    from_bytes(path, input::bytes(path)?, reading)
 }
 
 /// As [`load`], of a file's bytes; buffers beside a glTF file are looked for beside `path`.

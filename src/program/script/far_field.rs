@@ -5,6 +5,7 @@ use std::path::Path;
 use super::host::Host;
 use super::light::{LuaLight, RaysetLoadOptions, placed};
 use crate::error::{Error, Place};
+use crate::input;
 use crate::light::RaySet;
 use crate::source::directions::measured_exponent;
 use crate::source::photometric::{self, FarField};
@@ -51,10 +52,5 @@ pub(super) fn load(host: &Host, path: &Path, given: RaysetLoadOptions) -> mlua::
 
 /// Whether the file is one of these, by its first bytes.
 pub(super) fn is_far_field(path: &Path) -> bool {
-    let mut head = Vec::new();
-    let read = std::fs::File::open(path).and_then(|file| {
-        use std::io::Read;
-        file.take(4096).read_to_end(&mut head)
-    });
-    read.is_ok() && photometric::is_photometric(&head)
+    input::head(path, 4096).is_ok_and(|head| photometric::is_photometric(&head))
 }

@@ -4,7 +4,7 @@ use mlua::{Lua, Table};
 
 use super::host;
 use super::members::Functions;
-use crate::error::Error;
+use crate::input;
 use crate::output;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
@@ -16,6 +16,7 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     functions.add("read", 1, |lua, mut arguments| {
         let path = host::of(lua)?.input(&arguments.text("path")?)?;
         host::reserve_for_file(lua, "read", &path)?;
-        std::fs::read_to_string(&path).map_err(|e| Error::io(&path, e).into())
+        // Bytes, as Lua's strings are.
+        lua.create_string(input::bytes(&path)?)
     })
 }

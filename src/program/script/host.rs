@@ -8,6 +8,7 @@ use mlua::Lua;
 
 use crate::display::{Gamut, GamutReport, Look};
 use crate::error::{Error, Result};
+use crate::output;
 use crate::program::memory;
 use crate::program::progress::{Progress, Verbosity};
 use crate::program::stamp::Stamp;
@@ -138,17 +139,15 @@ impl Host {
         }
     }
 
-    /// Notes the script itself, before it is read.
-    ///
-    /// Errors: it cannot be read.
-    pub(super) fn note_script(&self) -> Result<()> {
-        let stamp = Stamp::of_script(&self.script)?;
-        let input = ScriptInput { name: self.script_name(), path: self.script.clone(), stamp };
-        self.script_input.get_or_init(|| input);
-        Ok(())
+    /// Notes the script itself, before it is read, unless it comes from a pipe.
+    pub(super) fn note_script(&self) {
+        if let Ok(stamp) = Stamp::of(&self.script) {
+            let input = ScriptInput { name: self.script_name(), path: self.script.clone(), stamp };
+            self.script_input.get_or_init(|| input);
+        }
     }
 
-    /// The script as it was read; `None` at a prompt.
+    /// The script as it was read; `None` at a prompt, and from a pipe.
     pub fn script_input(&self) -> Option<&ScriptInput> {
         self.script_input.get()
     }
@@ -219,7 +218,7 @@ impl Host {
                 return Err(refused());
             }
         }
-        std::fs::create_dir_all(folder).map_err(io)?;
+        output::make_folder(folder)?;
         Ok(target)
     }
 

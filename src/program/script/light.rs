@@ -51,7 +51,7 @@ pub(super) const MAX_SAMPLES: u64 = 100_000_000;
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     functions(lua, module, "rayset", |functions| {
         functions.add("load", 2, load)?;
-        functions.add("new", 1, |_, a| from_tables(a))
+        functions.add("new", 1, from_tables)
     })
 }
 
@@ -186,11 +186,12 @@ impl StartOptions {
 pub(super) fn placed(light: LuaLight, transform: &Transform) -> mlua::Result<LuaLight> {
     let placement = transform.placement("rayset: transform")?;
     let world_from_local = placement.affine() * light.rays.world_from_local;
-    let moved = |part: &SceneObject| SceneObject {
-        mesh: LuaMesh::made(part.mesh.0.transformed(&placement)),
-        material: part.material.clone(),
+    let moved = |part: &SceneObject| -> mlua::Result<SceneObject> {
+        let mesh = part.mesh.0.transformed(&placement);
+        mesh.check_positions("rayset: transform")?;
+        Ok(SceneObject { mesh: LuaMesh::made(mesh), material: part.material.clone() })
     };
-    let parts = light.parts.iter().map(moved).collect();
+    let parts = light.parts.iter().map(moved).collect::<mlua::Result<_>>()?;
     Ok(LuaLight { rays: RaySet { world_from_local, ..light.rays }, parts, ..light })
 }
 
@@ -206,7 +207,7 @@ options! {
     }
 }
 
-fn from_tables(mut arguments: Arguments) -> mlua::Result<LuaLight> {
+fn from_tables(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     const OBJECT: &str = "rayset.new";
     let RaysetNewOptions { positions, directions, flux, spectrum, exponent } =
         arguments.record()?;
@@ -218,6 +219,7 @@ fn from_tables(mut arguments: Arguments) -> mlua::Result<LuaLight> {
         );
         return Err(Error::inconsistent(OBJECT, problem).into());
     }
+    reserve_samples(lua, OBJECT, positions.len())?;
     let relative = flux.relative(OBJECT, positions.len())?;
     let mut samples = Vec::with_capacity(positions.len());
     for (at, (position, direction)) in positions.iter().zip(&directions).enumerate() {

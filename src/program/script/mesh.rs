@@ -44,14 +44,20 @@ const MAX_CELLS: u64 = 100_000;
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     functions(lua, module, "mesh", |functions| {
         functions.add("load", 2, load)?;
-        functions.add("new", 1, |_, a| from_tables(a))?;
+        functions.add("new", 1, from_tables)?;
         functions.add("surface", 1, surface)?;
-        functions.add("merge", 1, |_, a| merge(a))
+        functions.add("merge", 1, merge)
     })
 }
 
 fn new_handle(mesh: Mesh, smooth: bool) -> LuaMesh {
     LuaMesh::new(if smooth { mesh } else { mesh.into_flat() })
+}
+
+/// Room for a mesh with normals, and triangles of its own for them.
+fn reserve(lua: &Lua, object: &str, positions: usize, triangles: usize) -> mlua::Result<()> {
+    let bytes = 2 * (positions * size_of::<DVec3>() + triangles * size_of::<[u32; 3]>());
+    host::reserve(lua, object, bytes, "fewer triangles would fit")
 }
 
 impl LuaMesh {
@@ -142,9 +148,10 @@ options! {
     }
 }
 
-fn from_tables(mut arguments: Arguments) -> mlua::Result<LuaMesh> {
+fn from_tables(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     const OBJECT: &str = "mesh.new";
     let MeshNewOptions { positions, triangles, normals, smooth } = arguments.record()?;
+    reserve(lua, OBJECT, positions.len(), triangles.len())?;
     let triangles = (1..).zip(&triangles).map(|row| triangle(OBJECT, row, positions.len()));
     let triangles = triangles.collect::<mlua::Result<_>>()?;
     let mesh = Mesh::smooth(OBJECT, positions, triangles)?;
@@ -232,12 +239,14 @@ impl MeshSurfaceOptions {
 }
 
 /// One mesh of several, each with its own positions and normals.
-fn merge(mut arguments: Arguments) -> mlua::Result<LuaMesh> {
+fn merge(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     const OBJECT: &str = "mesh.merge";
     let list = options::list(OBJECT, "argument", &arguments.value(), "a list of meshes")?;
     let handle = |value: &Value| options::handle::<LuaMesh>(OBJECT, "entry", value, "a mesh");
     let meshes: Vec<LuaMesh> = list.iter().map(handle).collect::<mlua::Result<_>>()?;
     let meshes: Vec<&Mesh> = meshes.iter().map(|mesh| mesh.0.as_ref()).collect();
+    let positions = meshes.iter().map(|mesh| mesh.positions.len()).sum();
+    reserve(lua, OBJECT, positions, meshes.iter().map(|mesh| mesh.triangles.len()).sum())?;
     Ok(LuaMesh::new(Mesh::merged(OBJECT, &meshes)?))
 }
 
@@ -316,17 +325,23 @@ impl UserData for LuaMesh {
         members.field("groups", |_, this| Ok(this.1.groups.clone()));
         members.field("objects", |_, this| Ok(this.1.objects.clone()));
         members.field("materials", |_, this| Ok(this.1.materials.clone()));
-        members.method("transform", 1, |_, this, mut a| {
+        members.method("transform", 1, |lua, this, mut a| {
             let transform: Transform = a.record()?;
             let placement = transform.placement("mesh:transform")?;
-            Ok(this.with(this.0.transformed(&placement)))
+            reserve(lua, "mesh:transform", this.0.positions.len(), this.0.triangles.len())?;
+            let mesh = this.0.transformed(&placement);
+            mesh.check_positions("mesh:transform")?;
+            Ok(this.with(mesh))
         });
         members.method("save", 1, |lua, this, mut a| {
             let path = a.text("path")?;
             let path = host::of(lua)?.output(&path)?;
             Ok(output::write_text(&path, &obj::to_text(&this.0))?)
         });
-        members.method("flat", 0, |_, this, _| Ok(this.with(Mesh::clone(&this.0).into_flat())));
+        members.method("flat", 0, |lua, this, _| {
+            reserve(lua, "mesh:flat", this.0.positions.len(), this.0.triangles.len())?;
+            Ok(this.with(Mesh::clone(&this.0).into_flat()))
+        });
         members.method("section", 1, |_, this, a| section(&this.0, a));
         members.length(|this| this.0.triangles.len());
         members.text(|this| {

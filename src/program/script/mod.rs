@@ -64,7 +64,7 @@ pub use starter::write_starter;
 pub fn run(script: &Path, settings: Settings) -> Result<(), ScriptFault> {
     let lua = state(script, settings)?;
     let host = host::of(&lua)?;
-    host.note_script()?;
+    host.note_script();
     let source = std::fs::read(script).map_err(|e| ScriptFault::unreadable(script, e))?;
     let chunk_name = format!("@{}", script.display());
     let done = lua.load(source).set_name(chunk_name).set_mode(mlua::chunk::ChunkMode::Text).exec();

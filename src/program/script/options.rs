@@ -10,7 +10,7 @@ use super::fault::{key_text, unknown_key};
 use super::kinds::Kind;
 use super::record::Record;
 use super::spectrum::LuaSpectrum;
-use crate::error::Error;
+use crate::error::{self, Error};
 use crate::spectrum::Spectrum;
 
 /// Which numbers are allowed, with their unit for the message.
@@ -174,6 +174,10 @@ pub fn number(object: &str, what: &str, value: &Value, range: Range) -> mlua::Re
 
 /// A number that has to be in a range.
 pub(super) fn in_range(object: &str, what: &str, number: f64, range: Range) -> mlua::Result<f64> {
+    if number.is_finite() && !error::may_enter(number) {
+        let found = format!("{number:e}");
+        return Err(Error::out_of_range(object, what, found, error::NUMBERS).into());
+    }
     if range.contains(number) {
         return Ok(number);
     }

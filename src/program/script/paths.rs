@@ -2,7 +2,6 @@
 
 use mlua::Lua;
 
-use super::host;
 use super::kinds::{Kind, Number};
 use super::options::{self, Arguments, Range};
 use super::quality::TraceOptions;
@@ -32,7 +31,7 @@ pub(super) fn paths(scene: &LuaScene, lua: &Lua, mut arguments: Arguments) -> ml
         options::in_range(OBJECT, key, place, Range::new(0.0, side as f64, "pixels"))
     };
     let place = [place("\"x\"", x, view.0.width)?, place("\"y\"", y, view.0.height)?];
-    let prepared = scene.prepared(&host::of(lua)?)?;
+    let prepared = scene.prepared(lua)?;
     let quality = trace.quality(Quality::default().limits.light_error);
     Ok(PATH.list(&render::trace_paths(&prepared, &view.0, &quality, place)?))
 }

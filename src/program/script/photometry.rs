@@ -58,7 +58,7 @@ pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
 fn grid(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaGrid> {
     let given: GridOptions = arguments.record()?;
     let host = host::of(lua)?;
-    let prepared = given.scene.prepared(&host)?;
+    let prepared = given.scene.prepared(lua)?;
     let directions = given.h.len() * given.v.len();
     let progress = host.progress(given.width * given.height * directions);
     let measure = |direction: Direction| -> crate::Result<_> {

@@ -9,6 +9,7 @@ use mlua::{HookTriggers, Lua, LuaOptions, LuaString, MultiValue, StdLib, Table, 
 use super::fault;
 use super::host::{self, Host};
 use crate::error::Error;
+use crate::input;
 
 /// Names that stay in `os` and `io`; the rest runs programs or opens files.
 const OS_KEPT: [&str; 4] = ["clock", "date", "difftime", "time"];
@@ -278,7 +279,7 @@ fn load_module(lua: &Lua, name: &str) -> mlua::Result<Value> {
     if path.exists() {
         host.note_input(&format!("{}.lua", name.replace('.', "/")), &path)?;
     }
-    let source = std::fs::read(&path).map_err(|e| Error::io(&path, e))?;
+    let source = input::bytes(&path)?;
     let chunk = lua.load(source).set_name(format!("@{}", path.display()));
     chunk.set_mode(ChunkMode::Text).call(name)
 }

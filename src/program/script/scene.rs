@@ -144,8 +144,26 @@ impl SceneParts {
 
 impl LuaScene {
     /// Built at the first call, which warns of what looks unintended.
-    pub(super) fn prepared(&self, host: &Host) -> mlua::Result<Arc<Prepared>> {
+    pub(super) fn prepared(&self, lua: &Lua) -> mlua::Result<Arc<Prepared>> {
+        self.reserve(lua)?;
+        let host = host::of(lua)?;
         Ok(self.0.prepared(&|warning| host.warn(warning))?)
+    }
+
+    /// Room for the trees, as long as they are not there yet.
+    pub(super) fn reserve(&self, lua: &Lua) -> mlua::Result<()> {
+        /// As measured, with what building takes.
+        const BYTES_A_TRIANGLE: usize = 400;
+        const BYTES_A_SAMPLE: usize = 200;
+        if self.0.is_prepared() {
+            return Ok(());
+        }
+        let Scene { objects, lights, interreflection, .. } = &self.0.scene;
+        let triangles: usize = objects.iter().map(|object| object.mesh.triangles.len()).sum();
+        let bounced = interreflection.map_or(0, |asked| asked.samples);
+        let samples = lights.iter().map(|l| l.rays.samples.len()).sum::<usize>() + bounced;
+        let bytes = triangles * BYTES_A_TRIANGLE + samples * BYTES_A_SAMPLE;
+        host::reserve(lua, "scene: its trees", bytes, "fewer triangles or light samples would fit")
     }
 
     pub(super) fn flux_lm(&self) -> f64 {
@@ -157,7 +175,7 @@ impl LuaScene {
         let asked = asked("scene:render", arguments.value())?;
         let host = host::of(lua)?;
         reserve_picture(lua, "scene:render", &view.0, &asked)?;
-        let prepared = self.prepared(&host)?;
+        let prepared = self.prepared(lua)?;
         warn_of_view(&host, &prepared, &view.0);
         let progress = host.progress(view.0.pixels());
         let (mut image, stats) = asked.render(&prepared, &view.0, &progress)?;
@@ -183,7 +201,7 @@ impl LuaScene {
         let view: LuaView = arguments.handle("argument 1", "a view")?;
         let LightErrorOptions { hits, light_error, trace } = arguments.record()?;
         let quality = trace.quality(light_error);
-        let prepared = self.prepared(&host::of(lua)?)?;
+        let prepared = self.prepared(lua)?;
         let check = render::check_light_error(&prepared, &view.0, &quality, hits)?;
         let check = check.ok_or_else(|| {
             let problem = "no light arrives at what the view shows";

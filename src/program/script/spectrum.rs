@@ -149,7 +149,9 @@ fn combine(
     f: impl Fn(&Spectrum, &Spectrum) -> Spectrum,
 ) -> mlua::Result<LuaSpectrum> {
     let operand = |value: &Value| options::spectrum(object, "operand", value);
-    Ok(new_handle(f(&operand(a)?, &operand(b)?)))
+    let combined = f(&operand(a)?, &operand(b)?);
+    combined.check(object)?;
+    Ok(new_handle(combined))
 }
 
 fn summary(spectrum: &Spectrum) -> String {

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 
 use mlua::{Function, Lua, Value};
 
-use super::host;
 use super::image::{LuaImage, RegionOptions};
 use super::kinds::{Any, Callback, Count, Handle, Kind, Nested, Number, SpectrumOrNumber, any};
 use super::options::{self, Range};
@@ -197,11 +196,10 @@ impl Asking<'_> {
             Error::inconsistent(object, problem)
         };
         let view = self.image.spectral().view.ok_or_else(no_view)?;
-        let host = host::of(lua)?;
         let [a, b, c] = values.map(|value| -> mlua::Result<Seen> {
             let scene: LuaScene =
                 options::handle(object, "\"scene\"'s result", &make.call(value)?, "a scene")?;
-            let prepared = scene.prepared(&host)?;
+            let prepared = scene.prepared(lua)?;
             let mean = |region: Region, weight: &(dyn Fn([f64; 2]) -> f64 + Sync)| {
                 let rays = (region, self.rays(region));
                 mean_spectrum(&prepared, &view, &self.quality, rays, weight)

@@ -1,5 +1,7 @@
 //! The views of a sweep: a list, or a function that gives one after the other.
 
+use std::sync::Arc;
+
 use mlua::thread::ThreadStatus;
 use mlua::{Lua, MultiValue, Thread, Value};
 
@@ -87,6 +89,7 @@ impl Views {
         }
         let shot = shot(index, &view, &scene, self.scene.as_ref())?;
         reserve_picture(lua, &format!("sweep: view {index}"), &shot.view, &self.asked)?;
+        LuaScene(Arc::clone(&shot.stage)).reserve(lua)?;
         Ok(Some(shot))
     }
 }

@@ -1,13 +1,13 @@
 //! SHA-256 of files and of what a view is made from.
 
 use std::fmt;
-use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
 use sha2::{Digest as _, Sha256};
 
 use crate::error::{Error, Result};
+use crate::input;
 
 /// A SHA-256 digest; shown as 64 hexadecimal digits.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -17,7 +17,7 @@ impl Digest {
     /// Errors: [`Error::Io`].
     pub fn of_file(path: &Path) -> Result<Self> {
         let io = |e| Error::io(path, e);
-        let mut file = BufReader::with_capacity(1 << 20, File::open(path).map_err(io)?);
+        let mut file = BufReader::with_capacity(1 << 20, input::open_anywhere(path)?);
         let mut hasher = Hasher::new();
         let mut buffer = vec![0; 1 << 20];
         loop {

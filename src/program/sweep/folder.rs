@@ -11,6 +11,7 @@ use super::shard::Shard;
 use super::{page, timings};
 use crate::display::GamutReport;
 use crate::error::{Error, Result};
+use crate::output;
 
 /// Name of a whole sweep's manifest.
 pub const MANIFEST: &str = "manifest.json";
@@ -40,7 +41,7 @@ impl Folder {
     /// Errors: [`Error::Io`]; a `manifest.json` that is none of ours; a folder that another
     /// process sweeps into.
     pub fn open(path: &Path, shard: Option<Shard>, source: Source) -> Result<Self> {
-        fs::create_dir_all(path).map_err(|e| Error::io(path, e))?;
+        output::make_folder(path)?;
         let lock = lock(path, shard)?;
         let own = manifest_name(shard);
         let unfinished = unfinished(path)?;
@@ -146,8 +147,7 @@ impl Folder {
         so_far.views.sort_by_key(|entry| entry.index);
         so_far.write(&self.manifest_path())?;
         remove(log)?;
-        let file = File::options().append(true).create_new(true).open(log);
-        file.map_err(|e| Error::io(log, e))
+        output::create(log)
     }
 
     fn manifest_path(&self) -> PathBuf {
@@ -285,6 +285,25 @@ mod tests {
     fn open(scratch: &ScratchFolder, shard: Option<&str>) -> Folder {
         let shard = shard.map(|text| text.parse().unwrap());
         Folder::open(&scratch.path(""), shard, Source::default()).unwrap()
+    }
+
+    /// A sweep of thousands costs no more a view than one of a hundred.
+    #[test]
+    fn a_view_adds_one_line_and_nothing_else() {
+        let scratch = ScratchFolder::new();
+        let mut folder = open(&scratch, None);
+        let (manifest, log) = (scratch.path(MANIFEST), log_path(&scratch.path(MANIFEST)));
+        let (mut first, mut length) = (None, 0);
+        for index in 1..=100 {
+            let entry = Entry { index, name: format!("view_{index:04}"), ..Entry::new() };
+            length += entry.to_line().len() as u64;
+            folder.add(entry, 1.0).unwrap();
+            let now =
+                (fs::read(&manifest).unwrap(), manifest.metadata().unwrap().modified().unwrap());
+            assert_eq!(first.get_or_insert_with(|| now.clone()), &now);
+            assert_eq!(log.metadata().unwrap().len(), length);
+            assert_eq!(files(&scratch).len(), 2);
+        }
     }
 
     #[test]

@@ -18,6 +18,7 @@ pub use self::solid::{AngleType, Solid};
 use super::sequence::EvenSequence;
 use crate::columns;
 use crate::error::{Error, Place, Result};
+use crate::input;
 use crate::light::{RaySample, RaySet};
 
 /// The kind of a photometric file.
@@ -73,8 +74,7 @@ pub fn is_photometric(head: &[u8]) -> bool {
 ///
 /// Errors: [`Error::Io`]; [`Error::BadFile`] with the line, where there is one.
 pub fn read(path: &Path) -> Result<PhotometricFile> {
-    let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
-    from_bytes(path, bytes)
+    from_bytes(path, input::bytes(path)?)
 }
 
 /// As [`read`]; `path` only names the bytes in messages.

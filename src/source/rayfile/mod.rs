@@ -17,7 +17,6 @@ mod text;
 mod tm25;
 mod zemax;
 
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -27,7 +26,7 @@ pub use self::save::{SaveFormat, writer};
 use self::input::Input;
 use self::spectral::{SpectralTable, Tally, luminous_efficacy};
 use crate::columns;
-use crate::error::{Error, Place, Result};
+use crate::error::{self, Error, Place, Result};
 use crate::light::{RaySample, RaySet};
 use crate::spectrum::Spectrum;
 
@@ -231,11 +230,8 @@ pub struct RayFile {
 ///
 /// Errors: [`Error::Io`], and [`Error::BadFile`] with the line or record.
 pub fn read(path: &Path) -> Result<RayFile> {
-    let mut file = File::open(path).map_err(|e| Error::io(path, e))?;
+    let mut file = crate::input::open(path)?;
     let metadata = file.metadata().map_err(|e| Error::io(path, e))?;
-    if !metadata.is_file() {
-        return Err(Error::bad_file(path, Place::File, "not a file"));
-    }
     read_from(path, &mut file, metadata.len())
 }
 
@@ -480,6 +476,10 @@ impl RayFile {
         let watts = self.header_flux.unwrap_or(self.flux_sum);
         let from_watts = || luminous_efficacy(&spectrum).map(|lm_per_w| watts * lm_per_w);
         let flux_lm = options.flux_lm.or(own_flux_lm).or_else(from_watts).unwrap_or_default();
+        if flux_lm > error::LARGEST {
+            let problem = format!("the flux is {flux_lm:e} lm, allowed: {}", error::NUMBERS);
+            return Err(Error::bad_file(&self.path, Place::File, problem));
+        }
         if !(flux_lm > 0.0 && flux_lm.is_finite()) {
             let problem = "the spectrum makes no light between 380 and 780 nm";
             return Err(Error::bad_file(&self.path, Place::File, problem));
