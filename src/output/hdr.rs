@@ -32,11 +32,16 @@ const WHITE_XY: [f64; 2] = [1.0 / 3.0, 1.0 / 3.0];
 /// Y of its primaries, as its tools have them.
 const LUMINANCE_WEIGHTS: [f64; 3] = [0.265, 0.670, 0.065];
 
+/// What readers add to a mantissa, in steps. Radiance's tools add half a step, OpenImageIO none: RGB is
+/// written for the middle, XYZ (which only Radiance's tools read) for them.
+const RGBE_ADDED_STEP: f64 = 0.25;
+const XYZE_ADDED_STEP: f64 = 0.5;
+
 static RGB_FROM_XYZ: LazyLock<DMat3> =
     LazyLock::new(|| xyz_from_primaries(PRIMARIES_XY, WHITE_XY).inverse());
 
-/// Writes the colors of `image` to `path`, whole or not at all; relative error 0.4 % (8 bits of
-/// the largest of three values).
+/// Writes the colors of `image` to `path`, whole or not at all; luminance within
+/// 1 % (8 bits of the largest of three values).
 ///
 /// Errors: [`Error::Io`]; a pixel that is not finite, named; an image without pixels.
 pub fn write_hdr(path: &Path, image: &SpectralImage, colors: HdrColors) -> Result<()> {
@@ -49,12 +54,12 @@ pub fn write_hdr(path: &Path, image: &SpectralImage, colors: HdrColors) -> Resul
         HdrColors::Rgbe => rgb_within(*color),
         HdrColors::Xyze => DVec3::from(*color).max(DVec3::ZERO),
     };
-    let weights = match colors {
-        HdrColors::Rgbe => LUMINANCE_WEIGHTS,
-        HdrColors::Xyze => [0.0, 1.0, 0.0],
+    let rounding = match colors {
+        HdrColors::Rgbe => (LUMINANCE_WEIGHTS, RGBE_ADDED_STEP),
+        HdrColors::Xyze => ([0.0, 1.0, 0.0], XYZE_ADDED_STEP),
     };
-    let pixels: Vec<[u8; 4]> =
-        xyz.pixels.iter().map(|color| shared_exponent(values(color) / LM_PER_W, weights)).collect();
+    let pixel = |color: &Xyz| shared_exponent(values(color) / LM_PER_W, rounding);
+    let pixels: Vec<[u8; 4]> = xyz.pixels.iter().map(pixel).collect();
     write_atomically(path, |file| {
         let mut out = BufWriter::new(file);
         write!(out, "{}", header(image, colors))?;
@@ -105,7 +110,7 @@ fn rgb_within(color: Xyz) -> DVec3 {
 
 /// Three mantissas of 8 bits and an exponent, rounded so that the luminance by `weights` is kept:
 /// of a saturated red the 0.67 of a step of green would be more than a percent.
-fn shared_exponent(values: DVec3, weights: [f64; 3]) -> [u8; 4] {
+fn shared_exponent(values: DVec3, (weights, added_step): ([f64; 3], f64)) -> [u8; 4] {
     let largest = values.max_element();
     let exponent = largest.log2().floor() + 1.0;
     if !(largest > 0.0 && exponent > -127.0) {
@@ -113,9 +118,8 @@ fn shared_exponent(values: DVec3, weights: [f64; 3]) -> [u8; 4] {
     }
     let exponent = exponent.min(127.0);
     let steps = (values * (8.0 - exponent).exp2()).to_array();
-    // Readers add half a step: truncation is rounding to them.
     let mut mantissas = steps.map(|step| step.floor().min(255.0));
-    let missing = |c: usize, mantissas: &[f64; 3]| steps[c] - (mantissas[c] + 0.5);
+    let missing = |c: usize, mantissas: &[f64; 3]| steps[c] - (mantissas[c] + added_step);
     let mut luminance: f64 = (0..3).map(|c| weights[c] * missing(c, &mantissas)).sum();
     for c in [1, 0, 2].into_iter().filter(|&c| weights[c] > 0.0) {
         let change = (luminance / weights[c]).round().clamp(-1.0, 1.0);
@@ -170,8 +174,8 @@ mod tests {
     use crate::output::scratch::ScratchFolder;
     use crate::spectrum::WavelengthGrid;
 
-    /// A reader of the run-length form, written apart from the writer.
-    fn read(bytes: &[u8], width: usize, height: usize) -> Vec<[f64; 3]> {
+    /// A reader of the run-length form, written apart from the writer, that adds `added_step`.
+    fn read(bytes: &[u8], [width, height]: [usize; 2], added_step: f64) -> Vec<[f64; 3]> {
         let start = bytes.windows(2).position(|w| w == b"\n\n").unwrap() + 2;
         let size_line = bytes[start..].iter().position(|&b| b == b'\n').unwrap();
         let mut rest = &bytes[start + size_line + 1..];
@@ -195,7 +199,7 @@ mod tests {
             #[allow(clippy::needless_range_loop)] // four arrays side by side
             for x in 0..width {
                 let scale = 2f64.powi(i32::from(parts[3][x]) - 128 - 8);
-                let value = |c: usize| (f64::from(parts[c][x]) + 0.5) * scale;
+                let value = |c: usize| (f64::from(parts[c][x]) + added_step) * scale;
                 pixels.push([value(0), value(1), value(2)]);
             }
         }
@@ -225,9 +229,12 @@ mod tests {
         let scratch = ScratchFolder::new();
         let path = scratch.path("i.hdr");
         let image = image();
-        for colors in [HdrColors::Rgbe, HdrColors::Xyze] {
+        // Radiance's readers, and those that add nothing.
+        for (colors, added_step) in
+            [(HdrColors::Rgbe, 0.5), (HdrColors::Rgbe, 0.0), (HdrColors::Xyze, 0.5)]
+        {
             write_hdr(&path, &image, colors).unwrap();
-            let pixels = read(&std::fs::read(&path).unwrap(), 300, 4);
+            let pixels = read(&std::fs::read(&path).unwrap(), [300, 4], added_step);
             for (value, color) in pixels.iter().zip(image.to_xyz().pixels) {
                 let luminance = 179.0
                     * match colors {

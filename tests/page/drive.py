@@ -4,6 +4,7 @@ Usage: drive.py BROWSER PROFILE_FOLDER PAGE_URL. Needs nothing beyond Python's o
 """
 
 import base64
+import contextlib
 import json
 import os
 import re
@@ -155,7 +156,9 @@ def check(tab):
     assert tab.evaluate(broken) == 0, "pictures that do not show"
 
 
-def main(browser, profile, page):
+@contextlib.contextmanager
+def opened(browser, profile, page):
+    """The tab of a page in a headless browser."""
     arguments = [
         "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
         "--disable-background-networking", "--disable-component-update", "--disable-sync",
@@ -172,10 +175,16 @@ def main(browser, profile, page):
             raise ConnectionError("the browser does not start")
         with urllib.request.urlopen(f"http://{found[1]}/json/list") as answer:
             tabs = [tab for tab in json.load(answer) if tab["type"] == "page"]
-        check(Tab(tabs[0]["webSocketDebuggerUrl"]))
+        yield Tab(tabs[0]["webSocketDebuggerUrl"])
     finally:
         process.kill()
         process.wait()
 
 
-main(*sys.argv[1:])
+def main(browser, profile, page):
+    with opened(browser, profile, page) as tab:
+        check(tab)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
