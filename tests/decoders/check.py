@@ -1,6 +1,8 @@
 """Decodes the patches of patches.lua and compares their light. Usage: check.py patches.csv"""
 
 import csv
+import shutil
+import subprocess
 import sys
 import warnings
 
@@ -46,6 +48,14 @@ def delta_e_itp(a, b):
     return 720 * numpy.linalg.norm(difference)
 
 
+def pfs_rgb(path):
+    """What pfstools reads of the first pixel, linear Rec. 709."""
+    reader = "pfsinexr" if path.endswith(".exr") else "pfsintiff"
+    subprocess.run(f"{reader} {path} | pfsoutpfm pfs.pfm", shell=True, check=True, capture_output=True)
+    _, _, scale, data = open("pfs.pfm", "rb").read().split(b"\n", 3)
+    return numpy.frombuffer(data[:12], "<f4" if float(scale) < 0 else ">f4").astype(float)
+
+
 class Worst(dict):
     def note(self, what, value, limit):
         self[what] = max(self.get(what, (0, limit)), (value, limit))
@@ -76,6 +86,10 @@ def check(row, worst):
         worst.note("EXR: Y", relative(values["CIE.Y"]), 1e-6)
         assert spec.get_float_attribute("whiteLuminance") == 1, "whiteLuminance"
         assert spec.getattribute("chromaticities") is not None, "chromaticities"
+    if shutil.which("pfsinexr"):
+        for ending in [".exr", "_half.exr", ".tif"]:
+            luminance = (REC709 @ pfs_rgb(name + ending))[1]
+            worst.note(f"pfstools: {ending}", relative(luminance), 0.01)
     # Radiance's own weights and lm/W.
     rgb = pixels(f"{name}.hdr")[1]
     worst.note("Radiance: luminance", relative(179 * rgb @ [0.265, 0.670, 0.065]), 0.01)
