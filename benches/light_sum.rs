@@ -120,7 +120,7 @@ impl Case {
 }
 
 fn lobes(n_d: f64, n_s: f64) -> Lobes {
-    Lobes { k_d: 0.08, n_d, specular: vec![SpecularLobe { k_s: 0.92, n_s }] }
+    Lobes { k_d: 0.08, n_d, specular: vec![SpecularLobe { k_s: 0.92, n_s }], ..Lobes::default() }
 }
 
 fn cases() -> Vec<Case> {

@@ -218,6 +218,7 @@ fn aluminium() -> Material {
             k_d: 0.08,
             n_d: 10.0,
             specular: vec![SpecularLobe { k_s: 0.92, n_s: 1500.0 }],
+            ..Lobes::default()
         },
         k_rg: 0.95,
         ..Material::default()

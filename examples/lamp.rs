@@ -30,6 +30,7 @@ pub fn draw(data: &Path, folder: &Path) -> Result<()> {
             k_d: 0.1,
             n_d: 10.0,
             specular: vec![SpecularLobe { k_s: 0.9, n_s: 1500.0 }],
+            ..Lobes::default()
         },
         k_rg: 0.95,
         ..Material::default()

@@ -187,6 +187,7 @@ function Mesh:section(plane) end
 ---@field n_d? number  its exponent; 1 is Lambert's; 1 to 1000000; default 1
 ---@field k_s? number|number[]  proportion of the specular lobe, or of several; 0 to 1; default 0
 ---@field n_s? number|number[]  its exponent; 1 to 1000000; default 1
+---@field lobe? "mirror"|"half"  of the specular lobes: about the mirror direction, or by the half vector as of a rough surface; default "mirror"
 ---@field k_rg? number  proportion of the mirrored ray; 0 to 1; default 0, or 1 with `fresnel`
 ---@field k_tg? number  proportion of the transmitted ray; 0 to 1; default 0, or 1 with `fresnel`
 ---@field k_a? number  proportion of the ambient light; 0 to 1; default 0
@@ -196,6 +197,15 @@ function Mesh:section(plane) end
 ---@param options MaterialOptions
 ---@return Material
 function lampyris.material(options) end
+
+---@class OpticalConstants
+---@field n Spectrum
+---@field k Spectrum
+
+---@class lampyris.optical
+---@field aluminium OpticalConstants  evaporated, as in lamp reflectors
+---@field pmma OpticalConstants  clear; `n` is a body's `ior`
+lampyris.optical = {}
 
 ---@class LobeFitOptions
 ---@field points? number[][]  {{angle, value}, …}, degrees from the lobe's direction
@@ -670,6 +680,7 @@ function lampyris.image.sum(terms) end
 ---@field mirror_rays integer
 ---@field transmitted_rays integer
 ---@field shadow_rays integer
+---@field rays_cut integer  that ended at max_depth with more than 1 % of their light
 ---@field light_sums integer  one for each side of a hit and light that shine
 ---@field nodes_per_sum number  of light trees
 ---@field samples_per_sum number  of lights

@@ -8,7 +8,6 @@ use rayon::prelude::*;
 use super::exposure::Exposure;
 use super::model::Display;
 use crate::color::{D65_XY, Xyz};
-use crate::columns::built_in_rows;
 use crate::error::{Error, Result};
 use crate::image::SpectralImage;
 use crate::spectrum::{Spectrum, WavelengthGrid, cie};
@@ -39,19 +38,13 @@ const METERED_PERCENT: f64 = 95.0;
 
 static NIKON_D5100: LazyLock<[Spectrum; 3]> = LazyLock::new(|| {
     let text = include_str!("../../data/cameras/nikon_d5100_npl.csv");
-    [1, 2, 3].map(|column| embedded(text, column))
+    [1, 2, 3].map(|column| Spectrum::built_in(text, column))
 });
 
 static SIGMA_SD_MERRILL: LazyLock<[Spectrum; 3]> = LazyLock::new(|| {
     let text = include_str!("../../data/cameras/sigma_sd_merrill_npl.csv");
-    [1, 2, 3].map(|column| embedded(text, column))
+    [1, 2, 3].map(|column| Spectrum::built_in(text, column))
 });
-
-/// A column of a table of the program's own, which a test reads.
-fn embedded(text: &'static str, column: usize) -> Spectrum {
-    let pairs = built_in_rows(text).map(|(_, row)| (row[0], row[column]));
-    Spectrum::from_pairs("camera", pairs).unwrap_or_else(|_| Spectrum::constant(0.0))
-}
 
 impl PhotoCamera {
     /// Automatic exposure, full at display white, balanced for D65.

@@ -33,7 +33,9 @@ pub use room::{CeilingPanel, Room};
 pub use sky::{Sky, SkyKind, StandardSky};
 pub use sun::{SUN_RADIUS_RAD, Sun, air_mass, sun_through_air};
 
+use crate::color::Photometry;
 use crate::error::{Error, Result};
+use crate::light::sum::power::specular_powers;
 use crate::light::sum::{HitQuery, Side};
 use crate::spectrum::{Spectrum, WavelengthGrid};
 use far::FarTree;
@@ -136,7 +138,7 @@ impl Environment {
     /// lx on a plane with this normal, from all but the sun, within 1e-4.
     pub fn illuminance_lx(&self, normal: DVec3) -> f64 {
         let axis = self.turn.inverse() * normal;
-        let lobe = FarLobe { axis, exponent: 1.0, weight: self.scale, horizon: None };
+        let lobe = FarLobe { axis, exponent: 1.0, weight: self.scale, horizon: None, half: None };
         self.tree.sum(&self.dome, &[lobe], 1e-4, None).values.iter().sum()
     }
 
@@ -184,12 +186,15 @@ impl Environment {
             exponent: given.n_d,
             weight: given.k_d / PI,
             horizon: None,
+            half: None,
         };
-        let specular = given.specular.iter().map(|lobe| FarLobe {
-            axis: side.axis,
-            exponent: lobe.n_s,
-            weight: share * lobe.k_s * (lobe.n_s + 2.0) / (2.0 * PI),
+        let powers = specular_powers(given, Photometry::Absolute, side);
+        let specular = powers.into_iter().map(|(weight, exponent)| FarLobe {
+            axis: if side.is_half { side.normal } else { side.axis },
+            exponent,
+            weight: share * weight,
             horizon: Some(side.normal),
+            half: side.is_half.then(|| side.view()),
         });
         let all = std::iter::once(diffuse).chain(specular);
         all.filter(|lobe| lobe.weight > 0.0).collect()
@@ -211,6 +216,7 @@ impl Environment {
             .map(|lobe| FarLobe {
                 axis: back * lobe.axis,
                 horizon: lobe.horizon.map(|horizon| back * horizon),
+                half: lobe.half.map(|view| back * view),
                 ..*lobe
             })
             .collect();
@@ -253,18 +259,10 @@ fn sun_side(
     const MANY: usize = 1024;
     let through = |direction: DVec3| -> f64 {
         let above = direction.dot(side.normal) > 0.0;
-        let scattered = |lobe: &FarLobe| {
-            let versine = 0.5 * (direction - lobe.axis).length_squared();
-            if versine < 1.0 {
-                lobe.weight * (lobe.exponent * (-versine).ln_1p()).exp()
-            } else {
-                0.0
-            }
-        };
-        if above { lobes.iter().map(scattered).sum() } else { 0.0 }
+        if above { lobes.iter().map(|lobe| lobe.toward(direction)).sum() } else { 0.0 }
     };
     let is_seen = |direction: DVec3| sight.is_none_or(|seen| seen(direction));
-    let sharpest = lobes.iter().map(|lobe| lobe.exponent).fold(1.0, f64::max);
+    let sharpest = lobes.iter().map(FarLobe::sharpness).fold(1.0, f64::max);
     let probes = sun.spread(FEW).chain(sun.rim(AT_RIM));
     let visible = probes.filter(|point| is_seen(*point)).count();
     const ALL: usize = FEW + AT_RIM;

@@ -102,7 +102,8 @@ struct Powers {
     third: f64,
 }
 
-/// weight (ω·axis)^exponent on the side of `horizon` where ω·horizon > 0.
+/// weight (ω·axis)^exponent on the side of `horizon` where ω·horizon > 0; with a view V, it is the
+/// half vector of ω and V in place of ω.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FarLobe {
     pub axis: DVec3,
@@ -110,6 +111,22 @@ pub(super) struct FarLobe {
     pub weight: f64,
     /// None for a lobe about the normal, which ends at its own horizon.
     pub horizon: Option<DVec3>,
+    pub half: Option<DVec3>,
+}
+
+impl FarLobe {
+    /// In a direction above the horizon.
+    pub fn toward(&self, direction: DVec3) -> f64 {
+        let half = |view: DVec3| (direction + view).normalize_or_zero();
+        let versine = 0.5 * (self.half.map_or(direction, half) - self.axis).length_squared();
+        if versine < 1.0 { self.weight * (self.exponent * (-versine).ln_1p()).exp() } else { 0.0 }
+    }
+
+    /// Exponent of a lobe about its axis that is as sharp as this one in its sharpest direction.
+    pub fn sharpness(&self) -> f64 {
+        let cos_view = self.half.map_or(0.5, |view| view.dot(self.axis).max(1e-3));
+        self.exponent / (2.0 * cos_view).powi(2)
+    }
 }
 
 /// What a node sends through lobes.
@@ -214,6 +231,9 @@ impl Node {
     }
 
     fn sum_lobe(&self, lobe: &FarLobe, light: f64) -> NodeSum {
+        if let Some(view) = lobe.half {
+            return self.sum_half(lobe, view, light);
+        }
         let FarLobe { axis, exponent: n, weight, .. } = *lobe;
         let versine = 0.5 * (self.center - axis).length_squared();
         let angle = LobeAngle::new(versine, self.radius);
@@ -242,6 +262,52 @@ impl Node {
         let values = each(&|moments, powers| peak * moments.relative(powers, angle.x, n));
         NodeSum { values, error: error.min(most), most }
     }
+}
+
+impl Node {
+    /// cosⁿβ of the half vector is ((N·ω + N·V)/|ω + V|)ⁿ. With a = N·t/(N·d + N·V),
+    /// b = V·t/(1 + d·V), t = ω − d and s = a − b/2, it is to third order
+    ///
+    ///   e^(n (s − a²/2 + b²/4 + a³/3 − b³/6))
+    ///
+    /// of what it is at d. What is left out is estimated as for a Gaussian of H that turns by 1/D of
+    /// what ω does at most, D = |ω + V|.
+    fn sum_half(&self, lobe: &FarLobe, view: DVec3, light: f64) -> NodeSum {
+        let FarLobe { axis: normal, exponent: n, weight, .. } = *lobe;
+        let sum = self.center + view;
+        let (height, width) = (sum.dot(normal), sum.length());
+        let turning = (width - self.radius).max(f64::MIN_POSITIVE).recip();
+        let sine = (sum / width.max(f64::MIN_POSITIVE)).cross(normal).length();
+        let nearest = (sine - self.radius * turning).max(0.0).min(1.0);
+        let highest =
+            if height <= -self.radius { 0.0 } else { (1.0 - nearest * nearest).powf(0.5 * n) };
+        let most = weight * light * highest;
+        let peak = if height > 0.0 { lobe.toward(self.center) / weight } else { 0.0 };
+        if 2.0 * self.radius > width.min(height) || most == 0.0 {
+            let values = self.moments.map(|moments| weight * peak * moments.light);
+            return NodeSum { values, error: most, most };
+        }
+        let (a, b) = (normal / height, view / (0.5 * width * width));
+        let relative = |moments: &RadianceMoments| {
+            weight * (peak * moments.half(a, b, n)).clamp(0.0, highest * moments.light)
+        };
+        let values = self.moments.each_ref().map(relative);
+        let square: f64 = self.moments.iter().map(RadianceMoments::square).sum::<f64>() / light;
+        let bent = half_fourth_order(n, sine / (height / width)) * turning.powi(4);
+        let error = most * bent / 24.0 * square * (2.0 * square).min(self.radius * self.radius);
+        NodeSum { values, error: error.min(most), most }
+    }
+}
+
+/// Largest fourth derivative of cosⁿβ, over it, by an angle that turns H as much, for the tangent
+/// of β; H's way may bend, as the light tree's does.
+fn half_fourth_order(n: f64, tan: f64) -> f64 {
+    let x = n.sqrt() * tan;
+    let first = n.sqrt() * x;
+    let second = n * (1.0 + x * x);
+    let third = n.powf(1.5) * (3.0 * x + x.powi(3));
+    let fourth = n * n * (3.0 + 6.0 * x * x + x.powi(4));
+    fourth + 15.6 * third + 53.0 * second + 45.0 * first
 }
 
 /// Where a node's directions lie about a lobe's axis.
@@ -299,6 +365,26 @@ fn power(versine: f64, n: f64) -> f64 {
 }
 
 impl RadianceMoments {
+    /// ∫ L |ω − d|².
+    fn square(&self) -> f64 {
+        self.second[0] + self.second[3] + self.second[5]
+    }
+
+    /// ∫ L of the series of [`Node::sum_half`].
+    fn half(&self, a: DVec3, b: DVec3, n: f64) -> f64 {
+        let s = a - 0.5 * b;
+        let [of_s, of_a, of_b] = [s, a, b].map(|axis| self.along(axis));
+        // ∫ L (s·t) (a·t)², from cubes.
+        let mixed = |a: DVec3| {
+            let cubes = self.along(s + a).third + self.along(s - a).third;
+            (cubes - 2.0 * of_s.third) / 6.0
+        };
+        let first = of_s.first - 0.5 * of_a.second + 0.25 * of_b.second;
+        let first = first + of_a.third / 3.0 - of_b.third / 6.0;
+        let second = 0.5 * of_s.second - 0.5 * mixed(a) + 0.25 * mixed(b);
+        self.light + n * (first + n * (second + n * of_s.third / 6.0))
+    }
+
     /// ∫ L (ω·A)ⁿ over xⁿ: to third order, and the fourth as for an even spread.
     fn relative(&self, powers: &Powers, x: f64, n: f64) -> f64 {
         let first = n / x;

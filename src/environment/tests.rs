@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::color::Photometry;
-use crate::material::{Lobes, SpecularLobe};
+use crate::material::{LobeShape, Lobes, SpecularLobe};
 
 const ALL: SpecularShares = SpecularShares { reflected: 1.0, transmitted: 1.0 };
 
@@ -21,6 +21,10 @@ fn diffuse(n_d: f64) -> Lobes {
 
 fn specular(n_s: f64) -> Lobes {
     Lobes { specular: vec![SpecularLobe { k_s: 1.0, n_s }], ..Lobes::default() }
+}
+
+fn half(n_s: f64) -> Lobes {
+    Lobes { shape: LobeShape::Half, ..specular(n_s) }
 }
 
 fn query<'a>(normal: DVec3, view: DVec3, lobes: &'a Lobes) -> HitQuery<'a> {
@@ -67,6 +71,25 @@ fn furnace_is_even_for_any_resolution() {
                 let error = sum / ((n_s + 2.0) / (n_s + 1.0)) - 1.0;
                 assert!(error.abs() < 1e-3, "{width}: n_s {n_s}: {error:e}");
             }
+        }
+    }
+}
+
+/// An even light comes back whole where the lobe is above the horizon, and never more than whole.
+#[test]
+fn half_lobes_return_no_more_than_arrives() {
+    let furnace = even(64, 32);
+    let normal = toward(20.0, 50.0);
+    let across = normal.any_orthonormal_vector();
+    for n_s in [1.0, 2.0, 5.0, 20.0, 100.0, 1500.0, 1e6] {
+        for degrees in [0.0f64, 30.0, 45.0, 60.0, 75.0, 80.0, 85.0] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let lobes = half(n_s);
+            let query = query(normal, normal * cos + across * sin, &lobes);
+            let sum = reflected(&furnace, &query, 0.002).dome[0];
+            assert!(sum <= 1.0 + 1e-3, "n_s {n_s} at {degrees}°: {sum}");
+            let is_whole = n_s >= 1500.0 || n_s >= 20.0 && degrees <= 45.0;
+            assert!(!is_whole || sum >= 1.0 - 1e-3, "n_s {n_s} at {degrees}°: {sum}");
         }
     }
 }
@@ -165,7 +188,8 @@ fn by_integration(environment: &Environment, side: &Side, lobes: &Lobes) -> Lumi
             let sine = (PI * place[1]).sin();
             let solid_angle = sine * (PI / rows as f64) * (2.0 * PI / columns as f64);
             let scattered = |lobe: &FarLobe| {
-                let cosine = direction.dot(lobe.axis);
+                let half = |view: DVec3| (direction + view).normalize();
+                let cosine = lobe.half.map_or(direction, half).dot(lobe.axis);
                 if cosine > 0.0 { lobe.weight * cosine.powf(lobe.exponent) } else { 0.0 }
             };
             let weight = solid_angle * lobes.iter().map(scattered).sum::<f64>();
@@ -180,7 +204,9 @@ fn by_integration(environment: &Environment, side: &Side, lobes: &Lobes) -> Lumi
 #[test]
 fn sums_keep_their_error() {
     let environment = spotted();
-    for lobes in [diffuse(1.0), diffuse(10.0), specular(20.0), specular(1500.0)] {
+    let lobes =
+        [diffuse(1.0), diffuse(10.0), specular(20.0), specular(1500.0), half(2.0), half(100.0)];
+    for lobes in lobes {
         for normal in around(6) {
             let view = (normal + DVec3::new(0.5, 0.2, -0.3)).normalize();
             if view.dot(normal) < 0.1 {

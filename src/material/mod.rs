@@ -3,12 +3,14 @@
 mod fresnel;
 mod lobe_file;
 mod lobe_fit;
+mod optical;
 
 pub use fresnel::{Fresnel, dielectric_reflectance, metal_reflectance};
 pub use lobe_file::{LobeFile, read_lobe};
 pub use lobe_fit::{
     FittedLobe, LobeCount, LobeFit, LobeSpace, LobeTable, Peak, about_peak, fit_lobe,
 };
+pub use optical::OpticalConstants;
 
 use crate::error::{Error, Result};
 use crate::spectrum::Spectrum;
@@ -50,6 +52,19 @@ pub struct Lobes {
     pub n_d: f64,
     /// Only lobes with k_s > 0.
     pub specular: Vec<SpecularLobe>,
+    pub shape: LobeShape,
+}
+
+/// What the specular lobes of light from the viewer's side are about; light from the far side keeps
+/// its lobe about the undeviated direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LobeShape {
+    /// The mirror direction: (R·V)^n_s (eq. 2).
+    #[default]
+    Mirror,
+    /// The normal, by the half vector of L and V: (N·H)^(4 n_s), over 4 N·V in absolute photometry.
+    /// It is the microfacet lobe of the same width. Source: model.md, "Half-vector lobe".
+    Half,
 }
 
 /// k_s (R·V)^n_s.
@@ -64,7 +79,7 @@ pub struct SpecularLobe {
 /// Black.
 impl Default for Lobes {
     fn default() -> Self {
-        Self { k_d: 0.0, n_d: 1.0, specular: Vec::new() }
+        Self { k_d: 0.0, n_d: 1.0, specular: Vec::new(), shape: LobeShape::Mirror }
     }
 }
 

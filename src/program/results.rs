@@ -87,6 +87,12 @@ pub const STATS: Fields<RenderStats> = Fields {
         field("transmitted_rays", "integer", "", |stats| stats.counts.transmitted_rays.into()),
         field("shadow_rays", "integer", "", |stats| stats.counts.shadow_rays.into()),
         field(
+            "rays_cut",
+            "integer",
+            "that ended at max_depth with more than 1 % of their light",
+            |stats| stats.counts.rays_cut.into(),
+        ),
+        field(
             "light_sums",
             "integer",
             "one for each side of a hit and light that shine",

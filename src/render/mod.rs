@@ -87,32 +87,6 @@ pub struct RenderStats {
     pub target: Option<TargetReport>,
 }
 
-impl RenderStats {
-    /// What the picture lacks, in words.
-    pub fn warnings(&self) -> Vec<String> {
-        /// Share of all camera rays: fewer show nowhere.
-        const TOLD: f64 = 1e-3;
-        let TraceCounts { camera_rays, rays_cut, clash, .. } = self.counts;
-        let mut warnings = Vec::new();
-        if rays_cut as f64 > TOLD * camera_rays as f64 {
-            warnings.push(format!(
-                "render: {rays_cut} rays (of {camera_rays} from the camera) ended at max_depth with more \
-                 than 1 % of their light: a higher max_depth, or \"auto\", follows them"
-            ));
-        }
-        if let Some([a, b]) = clash {
-            warnings.push(format!(
-                "scene: objects {} and {} are opaque and lie in one place, facing the same way: the \
-                 picture shows object {}",
-                a + 1,
-                b + 1,
-                a + 1
-            ));
-        }
-        warnings
-    }
-}
-
 /// Takes the picture of a view, its spectral radiance: same inputs, same bits, for any number of threads.
 ///
 /// Errors: a light without luminous flux on the grid; [`crate::error::Error::Interrupted`]; a radiance that is

@@ -21,48 +21,52 @@ impl Tracer<'_> {
     ) {
         let material = &self.prepared.scene.materials[surface.material.0];
         if branch.depth >= self.limits.max_depth {
-            let most = branch.throughput.as_slice().iter().copied().fold(0.0, f64::max);
-            let goes_on =
-                most * material.k_rg.max(if material.transmits() { material.k_tg } else { 0.0 });
-            state.counts.rays_cut += u64::from(goes_on > TOLD);
+            state.counts.rays_cut += u64::from(is_told(material, &branch.throughput));
             return;
         }
-        let mirrored_share = self.mirrored_share(surface);
-        let mut kept = TotalReflection::Nowhere;
-        if material.transmits() {
+        let share = self.mirrored_share(surface);
+        let kept = if material.transmits() {
             let mut throughput = self.transmitted_throughput(surface, material, &branch.throughput);
-            if let Some(share) = &mirrored_share {
+            if let Some(share) = &share {
                 scale(&mut throughput, share.as_slice().iter().map(|share| 1.0 - share));
             }
-            kept = self.push_transmitted(surface, &branch, throughput, state);
-        }
+            self.push_transmitted(surface, &branch, throughput, state)
+        } else {
+            TotalReflection::Nowhere
+        };
         let mut throughput = branch.throughput;
-        let tables = &self.tables.materials[surface.material.0];
-        let k_tg = if mirrored_share.is_some() { 0.0 } else { material.k_tg };
-        match kept {
-            TotalReflection::Nowhere => throughput.scale_by(material.k_rg, &tables.reflectance),
-            TotalReflection::Everywhere => {
-                throughput.scale_by(material.k_rg + k_tg, &tables.reflectance);
-            }
-            TotalReflection::At(bands) => {
-                let factors = bands.iter().zip(tables.reflectance.as_slice());
-                scale(
-                    &mut throughput,
-                    factors.map(|(is_total, f_r)| {
-                        (material.k_rg + if *is_total { k_tg } else { 0.0 }) * f_r
-                    }),
-                );
-            }
-        }
-        if let Some(share) = &mirrored_share {
-            scale(&mut throughput, share.as_slice().iter().copied());
-        }
+        self.keep_mirrored(surface, &kept, share.as_ref(), &mut throughput);
         if !self.is_cut(&throughput) {
             state.counts.mirror_rays += 1;
             let direction = mirror(surface.normal, surface.view);
             let (media, group, depth) = (branch.media, branch.group, branch.depth + 1);
             let way = Way { kind: RayKind::Mirrored, direction, media, group, depth };
             state.pending.push(way.branch(&surface.near, throughput));
+        }
+    }
+
+    /// What of `throughput` is mirrored: k_rg F_r, with k_tg where no light passes, or k_rg F_r R.
+    fn keep_mirrored(
+        &self,
+        surface: &SurfacePoint,
+        kept: &TotalReflection,
+        share: Option<&Bands>,
+        throughput: &mut Bands,
+    ) {
+        let material = &self.prepared.scene.materials[surface.material.0];
+        let f_r = &self.tables.materials[surface.material.0].reflectance;
+        // Of Fresnel's law R is 1 there.
+        let k_tg = if share.is_some() { 0.0 } else { material.k_tg };
+        match kept {
+            TotalReflection::Nowhere => throughput.scale_by(material.k_rg, f_r),
+            TotalReflection::Everywhere => throughput.scale_by(material.k_rg + k_tg, f_r),
+            TotalReflection::At(bands) => {
+                let k = |is_total: &bool| material.k_rg + if *is_total { k_tg } else { 0.0 };
+                scale(throughput, bands.iter().zip(f_r.as_slice()).map(|(at, f_r)| k(at) * f_r));
+            }
+        }
+        if let Some(share) = share {
+            scale(throughput, share.as_slice().iter().copied());
         }
     }
 
@@ -195,6 +199,12 @@ impl Tracer<'_> {
             throughput.scale_by(material.k_tg, &self.tables.materials[id.0].transmittance);
         }
     }
+}
+
+/// Whether a ray that ends at `max_depth` would go on with much of its light.
+fn is_told(material: &Material, throughput: &Bands) -> bool {
+    let most = throughput.as_slice().iter().copied().fold(0.0, f64::max);
+    most * material.k_rg.max(if material.transmits() { material.k_tg } else { 0.0 }) > TOLD
 }
 
 /// Which bands are mirrored as a whole, so that k_tg's share stays too.

@@ -20,10 +20,10 @@ pub(super) enum Interface {
 
 /// One of the surfaces.
 #[derive(Clone, Copy)]
-struct Met {
-    hit: Hit,
-    object: usize,
-    kind: SurfaceKind,
+pub(super) struct Met {
+    pub hit: Hit,
+    pub object: usize,
+    pub kind: SurfaceKind,
     facing: Facing,
 }
 
@@ -47,19 +47,22 @@ impl Tracer<'_> {
         let ray = &branch.ray;
         let end_mm = first.hit.distance_mm + surfaces.reach_mm;
         let hits = self.prepared.bvh.hits_up_to(ray, branch.leaving, end_mm);
-        let cos = |hit: &Hit| self.prepared.bvh.departure(hit).n_geom.dot(ray.direction).abs();
-        let first_cos = cos(&first.hit);
-        let is_there = |other: &Met| {
-            let gap_mm = other.hit.distance_mm - first.hit.distance_mm;
-            let is_other = other.object != first.object;
-            gap_mm * first_cos.min(cos(&other.hit)) <= surfaces.place_mm
-                || is_other && gap_mm * first_cos <= surfaces.contact_mm
-        };
+        let is_there = |other: &Met| self.share_place(ray, &first, other);
         hits.into_iter().map(|hit| self.met(ray, hit)).filter(is_there).collect()
     }
 
+    /// Whether `other`, behind `first`, is part of the same interface.
+    pub(super) fn share_place(&self, ray: &Ray, first: &Met, other: &Met) -> bool {
+        let surfaces = &self.prepared.surfaces;
+        let cos = |hit: &Hit| self.prepared.bvh.departure(hit).n_geom.dot(ray.direction).abs();
+        let gap_mm = other.hit.distance_mm - first.hit.distance_mm;
+        let (first_cos, is_other) = (cos(&first.hit), other.object != first.object);
+        gap_mm * first_cos.min(cos(&other.hit)) <= surfaces.place_mm
+            || is_other && gap_mm * first_cos <= surfaces.contact_mm
+    }
+
     #[inline]
-    fn met(&self, ray: &Ray, hit: Hit) -> Met {
+    pub(super) fn met(&self, ray: &Ray, hit: Hit) -> Met {
         let object = self.prepared.bvh.locate(hit.triangle).0;
         let surfaces = &self.prepared.surfaces.of_object;
         // The meshes of emitters lie behind the objects'.
@@ -85,7 +88,8 @@ impl Tracer<'_> {
             Some((seen, facing, indices)) => {
                 let surface = self.surface_point(&branch.ray, all, &seen);
                 let material = surface.material;
-                let filters = self.filters(all, &seen);
+                let filters = sheets_beside(all, &seen).map(|object| self.material(object));
+                let filters = filters.collect();
                 Interface::Met(SurfacePoint {
                     facing,
                     indices,
@@ -130,7 +134,7 @@ impl Tracer<'_> {
     }
 
     /// Every change applied: bodies are left, then entered, the largest first.
-    fn media_after(&self, all: &[Met], before: &Media) -> Media {
+    pub(super) fn media_after(&self, all: &[Met], before: &Media) -> Media {
         let mut after = before.clone();
         let surfaces = &self.prepared.surfaces.of_object;
         let mut entered: Vec<usize> = Vec::new();
@@ -161,7 +165,7 @@ impl Tracer<'_> {
 
     /// The surface that is shaded, the side from which it is seen, and what lies before and behind;
     /// `None` where the ray goes on as if there were nothing.
-    fn boundary(
+    pub(super) fn boundary(
         &self,
         all: &[Met],
         [before, after]: [&Media; 2],
@@ -200,13 +204,6 @@ impl Tracer<'_> {
             Facing::Back => [own, None],
         };
         Some((*seen, seen.facing, indices))
-    }
-
-    /// Sheets in the same place, through which a transmitted ray goes too.
-    fn filters(&self, all: &[Met], seen: &Met) -> Vec<MaterialId> {
-        let others =
-            all.iter().filter(|met| met.kind == SurfaceKind::Sheet && met.object != seen.object);
-        others.map(|met| self.material(met.object)).collect()
     }
 
     /// Whether no light is turned between two bodies: they are one, or have the same index.
@@ -270,6 +267,13 @@ fn toward(view: DVec3, outward: DVec3, shading: DVec3) -> (Facing, DVec3, DVec3)
     } else {
         (Facing::Front, outward, shading)
     }
+}
+
+/// Objects whose sheets lie in the same place, through which a transmitted ray goes too.
+pub(super) fn sheets_beside(all: &[Met], seen: &Met) -> impl Iterator<Item = usize> {
+    let seen = seen.object;
+    let others = all.iter().filter(move |m| m.kind == SurfaceKind::Sheet && m.object != seen);
+    others.map(|met| met.object)
 }
 
 /// Fronts of an object's surfaces less backs: above 0 the ray enters it, below it leaves it.

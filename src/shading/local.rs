@@ -34,7 +34,8 @@ impl Tracer<'_> {
             None => [&tables.reflectance, &tables.transmittance],
         };
         for light in 0..scene.lights.len() {
-            let shadow_rays = self.each_light_sum(light, surface, |answer, left| {
+            let from = (surface, &branch.media);
+            let shadow_rays = self.each_light_sum(light, from, |answer, left| {
                 state.counts.light_sums += 1;
                 state.counts.light_nodes += u64::from(answer.nodes);
                 state.counts.light_samples += u64::from(answer.samples);
@@ -54,7 +55,7 @@ impl Tracer<'_> {
         if self.tables.surroundings.is_some() {
             // Counted once, added to the whole and to a layer.
             let mut returned = Bands::zero(self.tables.bands);
-            self.add_surroundings(surface, throughput, state, &mut returned);
+            self.add_surroundings(surface, [f_r, f_t], throughput, state, &mut returned);
             sum.add(Origin::Surroundings, branch.kind, |sum| sum.add(&returned));
         }
     }

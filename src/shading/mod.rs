@@ -98,6 +98,32 @@ impl std::ops::Add for TraceCounts {
     }
 }
 
+impl TraceCounts {
+    /// What pictures lack, in words.
+    pub fn warnings(&self) -> Vec<String> {
+        /// Of all camera rays: fewer show nowhere.
+        const TOLD: f64 = 1e-3;
+        let Self { camera_rays, rays_cut, clash, .. } = *self;
+        let mut warnings = Vec::new();
+        if rays_cut as f64 > TOLD * camera_rays as f64 {
+            warnings.push(format!(
+                "render: {rays_cut} rays (of {camera_rays} from the camera) ended at max_depth with more \
+                 than 1 % of their light: a higher max_depth, or \"auto\", follows them"
+            ));
+        }
+        if let Some([a, b]) = clash {
+            warnings.push(format!(
+                "scene: objects {} and {} are opaque and lie in one place, facing the same way: the \
+                 picture shows object {}",
+                a + 1,
+                b + 1,
+                a + 1
+            ));
+        }
+        warnings
+    }
+}
+
 /// Traces rays through a prepared scene at the bands of its tables.
 #[derive(Debug, Clone, Copy)]
 pub struct Tracer<'a> {

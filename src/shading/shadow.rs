@@ -9,6 +9,8 @@
 use std::cell::{Cell, RefCell};
 
 use super::Tracer;
+use super::interface::{Met, sheets_beside};
+use super::media::Media;
 use super::walk::SurfacePoint;
 use crate::color::Photometry;
 use crate::geometry::{DVec3, Ray};
@@ -26,13 +28,36 @@ struct Veil {
     asked: u32,
 }
 
+impl Veil {
+    /// Of an object among the surfaces.
+    fn index(&mut self, object: usize) -> usize {
+        self.surfaces.binary_search_by_key(&object, |entry| entry.0).unwrap_or_else(|at| {
+            self.surfaces.insert(at, (object, 0));
+            self.paths_mm.insert(at, 0.0);
+            at
+        })
+    }
+
+    fn add_path(&mut self, object: Option<usize>, path_mm: f64) {
+        if let Some(object) = object {
+            let at = self.index(object);
+            self.paths_mm[at] += path_mm;
+        }
+    }
+
+    fn add_crossing(&mut self, object: usize) {
+        let at = self.index(object);
+        self.surfaces[at].1 += 1;
+    }
+}
+
 impl Tracer<'_> {
     /// A light's sums at a hit, each with what the way there leaves of it, and the shadow rays that
-    /// they took.
+    /// they took. `before` are the bodies on V's side.
     pub(super) fn each_light_sum(
         &self,
         light: usize,
-        surface: &SurfacePoint,
+        (surface, before): (&SurfacePoint, &Media),
         mut take: impl FnMut(LightSum, Option<&Bands>),
     ) -> u64 {
         if !self.attenuates() {
@@ -49,7 +74,7 @@ impl Tracer<'_> {
             let visible = |position: DVec3| {
                 shadow_rays.set(shadow_rays.get() + 1);
                 self.is_free(light, surface, position)
-                    && self.find_veil(surface, position, &mut veils.borrow_mut()) == at
+                    && self.find_veil((surface, before), position, &mut veils.borrow_mut()) == at
             };
             let asked = (self.limits.light_error, Some(&visible as Visibility));
             let sum = self.both_sides(tree, &query, asked, surface);
@@ -99,8 +124,13 @@ impl Tracer<'_> {
     }
 
     /// The number of the veil before a sample, a new one if it is not among them.
-    fn find_veil(&self, surface: &SurfacePoint, position: DVec3, veils: &mut Vec<Veil>) -> usize {
-        let here = self.veil(surface, position);
+    fn find_veil(
+        &self,
+        (surface, before): (&SurfacePoint, &Media),
+        position: DVec3,
+        veils: &mut Vec<Veil>,
+    ) -> usize {
+        let here = self.veil(surface, before, position);
         let known = veils.iter().position(|veil| veil.surfaces == here.surfaces);
         let at = known.unwrap_or_else(|| {
             let (surfaces, paths_mm) = (here.surfaces, vec![0.0; here.paths_mm.len()]);
@@ -113,37 +143,43 @@ impl Tracer<'_> {
         at
     }
 
-    /// What a straight way to a sample crosses. The lobe of light from the far side is measured on
-    /// the whole sheet, so that the rest of the hit's own body is part of it.
-    fn veil(&self, surface: &SurfacePoint, position: DVec3) -> Veil {
+    /// What a straight way to a sample crosses: the interfaces that a ray would meet there, `before`
+    /// being the bodies on V's side. The lobe of light from the far side is measured on the whole
+    /// sheet, so that the rest of the hit's own body is part of it.
+    fn veil(&self, surface: &SurfacePoint, before: &Media, position: DVec3) -> Veil {
         let start = surface.near.departure.point;
         let way = position - start;
         let length_mm = way.length();
         if length_mm == 0.0 {
             return Veil::default();
         }
-        let own = (way.dot(surface.normal) < 0.0).then_some(surface.object);
         let from = surface.near.departure.toward(way);
         let ray = Ray { origin: from, direction: way / length_mm };
         let end_mm = length_mm - self.prepared.bvh.place_mm();
         let hits = self.prepared.bvh.hits_up_to(&ray, Some(surface.near.triangle), end_mm);
-        let crossings = hits.iter().map(|hit| {
-            let leaves = self.prepared.bvh.departure(hit).n_geom.dot(ray.direction) > 0.0;
-            (self.prepared.bvh.locate(hit.triangle).0, leaves, hit.distance_mm)
-        });
-        let mut crossings: Vec<(usize, bool, f64)> =
-            crossings.filter(|&(object, _, _)| Some(object) != own && self.dims(object)).collect();
-        crossings.sort_by_key(|crossing| crossing.0);
-        let mut veil = Veil::default();
-        for of_object in crossings.chunk_by(|a, b| a.0 == b.0) {
-            let object = of_object[0].0;
-            let material = self.prepared.surfaces.of_object[object].material;
-            let has_path = self.prepared.scene.materials[material.0].thickness_mm.is_some();
-            let count = if has_path { 0 } else { of_object.len() as u32 };
-            let path = if has_path { path_inside(of_object, end_mm) } else { 0.0 };
-            veil.surfaces.push((object, count));
-            veil.paths_mm.push(path);
+        let met: Vec<Met> = hits.into_iter().map(|hit| self.met(&ray, hit)).collect();
+        let is_far = way.dot(surface.normal) < 0.0;
+        let own = is_far.then_some(surface.object);
+        let mut media = if is_far { surface.after.clone() } else { before.clone() };
+        let (mut veil, mut from_mm, mut rest) = (Veil::default(), 0.0, &met[..]);
+        let counts = |object: &usize| Some(*object) != own && self.dims(*object);
+        let medium = |media: &Media| {
+            media.medium(self.prepared).filter(|object| self.has_path(*object) && counts(object))
+        };
+        while let Some(first) = rest.first() {
+            let shared = rest.iter().take_while(|other| self.share_place(&ray, first, other));
+            let (place, behind) = rest.split_at(shared.count().max(1));
+            let here_mm = first.hit.distance_mm;
+            veil.add_path(medium(&media), here_mm - from_mm);
+            let after = self.media_after(place, &media);
+            if let Some((seen, ..)) = self.boundary(place, [&media, &after]) {
+                let crossed = std::iter::once(seen.object).chain(sheets_beside(place, &seen));
+                let crossed = crossed.filter(|object| !self.has_path(*object) && counts(object));
+                crossed.for_each(|object| veil.add_crossing(object));
+            }
+            (media, from_mm, rest) = (after, here_mm, behind);
         }
+        veil.add_path(medium(&media), end_mm - from_mm);
         veil
     }
 
@@ -151,9 +187,14 @@ impl Tracer<'_> {
     /// does not: it has no inside in which a path could be measured.
     fn dims(&self, object: usize) -> bool {
         let Some(surface) = self.prepared.surfaces.of_object.get(object) else { return false };
-        let has_path = self.prepared.scene.materials[surface.material.0].thickness_mm.is_some();
         self.tables.materials[surface.material.0].attenuates
-            && (surface.kind == SurfaceKind::Body || !has_path)
+            && (surface.kind == SurfaceKind::Body || !self.has_path(object))
+    }
+
+    /// Whether it takes light along the path inside, not at its surfaces.
+    fn has_path(&self, object: usize) -> bool {
+        let material = self.prepared.surfaces.of_object[object].material;
+        self.prepared.scene.materials[material.0].thickness_mm.is_some()
     }
 
     /// What the surfaces leave of light, `None` for all of it.
@@ -165,30 +206,14 @@ impl Tracer<'_> {
         for (&(object, count), &path_mm) in veil.surfaces.iter().zip(&veil.paths_mm) {
             let material = self.prepared.surfaces.of_object[object].material;
             let tables = &self.tables.materials[material.0];
-            left.attenuate(&tables.absorption_per_mm, path_mm / f64::from(veil.asked.max(1)));
+            if self.has_path(object) {
+                left.attenuate(&tables.absorption_per_mm, path_mm / f64::from(veil.asked.max(1)));
+                continue;
+            }
             for _ in 0..count {
                 left.scale_by(1.0, &tables.transmittance);
             }
         }
         Some(left)
     }
-}
-
-/// From every entry to the next exit; from the start, or to the end, where one is missing.
-fn path_inside(crossings: &[(usize, bool, f64)], end_mm: f64) -> f64 {
-    let (mut path, mut entered, mut depth) = (0.0, 0.0, u32::from(crossings[0].1));
-    for &(_, leaves, distance) in crossings {
-        if !leaves {
-            if depth == 0 {
-                entered = distance;
-            }
-            depth += 1;
-        } else if depth > 0 {
-            depth -= 1;
-            if depth == 0 {
-                path += distance - entered;
-            }
-        }
-    }
-    if depth > 0 { path + end_mm - entered } else { path }
 }

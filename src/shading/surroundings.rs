@@ -24,10 +24,12 @@ impl Tracer<'_> {
         sum.add_product(&branch.throughput, &tables.mixed(&dome, sun));
     }
 
-    /// What the lobes of a hit return of the surroundings; nothing in a scene without.
+    /// What the lobes of a hit return of the surroundings; nothing in a scene without. `shares` are
+    /// what the two sides return.
     pub(super) fn add_surroundings(
         &self,
         surface: &SurfacePoint,
+        [f_r, f_t]: [&Bands; 2],
         throughput: &Bands,
         state: &mut TraceState,
         sum: &mut Bands,
@@ -37,10 +39,7 @@ impl Tracer<'_> {
         state.counts.light_sums += 1;
         state.counts.light_nodes += u64::from(light.nodes);
         state.counts.shadow_rays += shadow_rays;
-        let tables = &self.tables.materials[surface.material.0];
-        for (side, filter) in
-            [(&light.reflected, &tables.reflectance), (&light.transmitted, &tables.transmittance)]
-        {
+        for (side, filter) in [(&light.reflected, f_r), (&light.transmitted, f_t)] {
             let returned = returned(surroundings, side, filter);
             sum.add_product(throughput, &returned);
             let luminance = side.dome.iter().sum::<f64>() + side.sun;

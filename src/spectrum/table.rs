@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::cie;
-use crate::columns::{Table, TableChoice, WavelengthCurve};
+use crate::columns::{Table, TableChoice, WavelengthCurve, built_in_rows};
 use crate::error::{self, Error, Result};
 use crate::spectrum::WavelengthGrid;
 
@@ -73,6 +73,12 @@ impl Spectrum {
             None => Ok(()),
             Some(problem) => Err(Error::inconsistent(what, problem)),
         }
+    }
+
+    /// A column of a table of the program's own, which a test reads; wavelengths are column 0.
+    pub(crate) fn built_in(csv: &'static str, column: usize) -> Self {
+        let pairs = built_in_rows(csv).map(|(_, row)| (row[0], row[column]));
+        Self::from_pairs("built-in table", pairs).unwrap_or_else(|_| Self::constant(0.0))
     }
 
     /// From a file of any kind that [`Table`] reads.

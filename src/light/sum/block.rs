@@ -80,7 +80,9 @@ impl Block {
         let chord =
             (side.axis - to_center / distance).length() - cone_chord(self.radius / distance);
         let versine = 0.5 * chord.max(0.0).powi(2);
-        let exponent = lobes.smallest_specular * -(-versine.min(1.0)).ln_1p();
+        // β of a half-vector lobe is at least half the angle from the axis.
+        let halved = if side.is_half { 0.5 } else { 1.0 };
+        let exponent = halved * lobes.smallest_specular * -(-(halved * versine).min(1.0)).ln_1p();
         match (exponent < f64::from(LARGEST_EXPONENT), lobes.diffuse.weight > 0.0) {
             (true, _) => Reach::AllLobes,
             (false, true) => Reach::DiffuseOnly,
@@ -108,6 +110,7 @@ struct LocalSide {
     inverse_square: bool,
     /// Exponent of the samples' own lobes.
     exponent: f32,
+    is_half: bool,
 }
 
 impl LocalSide {
@@ -127,6 +130,7 @@ impl LocalSide {
             normal: [side.normal.dot(t) as f32, side.normal.dot(m) as f32],
             inverse_square: query.inverse_square,
             exponent: query.exponent as f32,
+            is_half: side.is_half,
         }
     }
 }
@@ -135,7 +139,8 @@ impl LocalSide {
 pub(crate) struct Scratch {
     cos_normal: [f32; BLOCK_CAPACITY],
     cos_axis: [f32; BLOCK_CAPACITY],
-    /// Squared sine of the angle from the axis.
+    /// Squared sine of the angle from the axis. For half-vector lobes both are the half vector's from
+    /// the normal.
     sine2: [f32; BLOCK_CAPACITY],
     emitted: [f32; BLOCK_CAPACITY],
     scattered: [f32; BLOCK_CAPACITY],
@@ -206,6 +211,9 @@ fn kernel(
         if side.exponent != 1.0 {
             narrow_group(group, side, i * LANES, scratch);
         }
+        if side.is_half {
+            halve_group(group, side, i * LANES, scratch);
+        }
     }
     let Scratch { cos_normal, cos_axis, sine2, emitted, scattered, power } = scratch;
     diffuse_power(diffuse, &cos_normal[..count], &mut scattered[..count]);
@@ -247,6 +255,32 @@ fn place_group(group: &SampleGroup, side: &LocalSide, start: usize, scratch: &mu
         cos_axis[i] = smaller(larger(w * inverse, 0.0), 1.0);
         sine2[i] = if w > 0.0 { smaller(across * inverse * inverse, 1.0) } else { 1.0 };
         emitted[i] = if cosine > 0.0 { emission } else { 0.0 };
+    }
+}
+
+/// The angle of the half vector from the normal in place of that from the axis: L + V lies across N
+/// as L − M does, which has its digits where the lobe is.
+#[inline(always)]
+fn halve_group(group: &SampleGroup, side: &LocalSide, start: usize, scratch: &mut Scratch) {
+    let ([t, b, m], [u0, v0, w0]) = (side.frame, side.framed_base);
+    let lanes = start..start + LANES;
+    let cos_axis = &mut scratch.cos_axis[lanes.clone()];
+    let sine2 = &mut scratch.sine2[lanes];
+    for i in 0..LANES {
+        let (x, y, z) = (group.offset[0][i], group.offset[1][i], group.offset[2][i]);
+        let u = u0 + (t[0] * x + t[1] * y + t[2] * z);
+        let v = v0 + (b[0] * x + b[1] * y + b[2] * z);
+        let w = w0 + (m[0] * x + m[1] * y + m[2] * z);
+        let square = u * u + v * v;
+        let inverse = inverse_sqrt(larger(square + w * w, f32::MIN_POSITIVE));
+        let (u, v, w) = (u * inverse, v * inverse, w * inverse);
+        let off_m = if w > 0.0 { -(square * inverse * inverse) / (1.0 + w) } else { w - 1.0 };
+        let along = side.normal[1] * u - side.normal[0] * off_m;
+        let height = side.normal[0] * u + side.normal[1] * w + side.normal[1];
+        let across = along * along + v * v;
+        let inverse = inverse_sqrt(larger(across + height * height, f32::MIN_POSITIVE));
+        cos_axis[i] = smaller(larger(height * inverse, 0.0), 1.0);
+        sine2[i] = smaller(across * inverse * inverse, 1.0);
     }
 }
 

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::power::half_lobe_return;
 use super::{HitQuery, LightSum, Photometry, Side, Visibility};
 use crate::light::RaySet;
 use crate::material::Lobes;
@@ -50,6 +51,13 @@ fn scattered(side: &Side, lobes: &Lobes, photometry: Photometry, l: DVec3) -> f6
     }
     for lobe in &lobes.specular {
         let absolute = photometry == Photometry::Absolute;
+        if side.is_half {
+            let (n, cos_view) = (4.0 * lobe.n_s, side.cos_view().max(1e-6));
+            let share = cos_view * half_lobe_return(cos_view, n).max(1.0);
+            let norm = if absolute { (n + 2.0) / (8.0 * PI * share) } else { 1.0 };
+            sum += lobe.k_s * norm * cos_pow(side.normal, (l + side.view()).normalize(), n);
+            continue;
+        }
         let norm = if absolute { (lobe.n_s + 2.0) / (2.0 * PI) } else { 1.0 };
         sum += lobe.k_s * norm * cos_pow(side.axis, l, lobe.n_s);
     }

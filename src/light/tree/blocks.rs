@@ -128,7 +128,7 @@ fn contribution_f64(sample: &RaySample, query: &BlockQuery) -> f64 {
     let diffuse = query.lobes.exact_diffuse;
     let mut scattered = if diffuse.0 > 0.0 { power(query.side.normal, l, diffuse) } else { 0.0 };
     for lobe in &query.lobes.exact_specular {
-        scattered += power(query.side.axis, l, *lobe);
+        scattered += query.side.specular(l, *lobe);
     }
     // 1e-9 mm: nearer than that, 1/r² would leave f64.
     let falloff = if query.inverse_square { to_light.length().max(1e-9).powi(-2) } else { 1.0 };

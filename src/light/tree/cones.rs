@@ -181,17 +181,22 @@ impl Cone {
             false => std::f64::consts::PI,
         };
         // 1 % over the blocks' f32 and the series below.
-        let power = |a: DVec3, b: DVec3, slack_rad: f64, n: f64| {
-            let least = (angle(a, b) - slack_rad).max(0.0);
-            let cos = least.cos();
+        let power_at = |least_rad: f64, n: f64| {
+            let cos = least_rad.cos();
             if cos > 1e-9 { (n * cos.ln()).exp() } else { 1e-9f64.powf(n) }
+        };
+        let power = |a: DVec3, b: DVec3, slack_rad: f64, n: f64| {
+            power_at((angle(a, b) - slack_rad).max(0.0), n)
         };
         let opening = seen_rad + self.half_angle_rad;
         let emitted = self.flux * power(-toward, self.axis, opening, query.exponent);
         let (weight, n_d) = query.lobes.exact_diffuse;
         let mut scattered = weight * power(query.side.normal, toward, seen_rad, n_d);
-        for (weight, n_s) in &query.lobes.exact_specular {
-            scattered += weight * power(query.side.axis, toward, seen_rad, *n_s);
+        // β of a half-vector lobe is at least half the angle from the axis.
+        let halved = if query.side.is_half { 0.5 } else { 1.0 };
+        let off_axis = (angle(query.side.axis, toward) - seen_rad).max(0.0);
+        for (weight, exponent) in &query.lobes.exact_specular {
+            scattered += weight * power_at(halved * off_axis, *exponent);
         }
         let nearest = (distance - self.radius).max(1e-9);
         let falloff = if query.inverse_square { nearest.powi(-2) } else { 1.0 };

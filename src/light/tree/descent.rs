@@ -51,6 +51,7 @@ impl Descent<'_> {
             axis: self.query.side.axis.as_vec3().into(),
             diffuse: self.query.lobes.diffuse,
             specular: &self.query.lobes.specular,
+            half: self.query.side.is_half.then(|| self.query.side.view().as_vec3().into()),
             inverse_square: self.query.inverse_square,
         };
         let mut state = State::new();

@@ -10,6 +10,7 @@
 //! and y is at most tan² of the angle from the axis, which it is on the circle through the axis.
 
 use super::eight::{Eight, Vectors, dot, dot_one, vectors};
+use super::half::HalfCloud;
 use super::node::{Cloud, NodeQuery};
 use crate::light::sum::power::Power;
 
@@ -23,10 +24,10 @@ const STEEPEST: f32 = 2981.0;
 
 /// A lobe below e^−40 is not worth an expansion; its bound then is this fraction of its weight.
 const NEGLIGIBLE_EXPONENT: f32 = 40.0;
-const NEGLIGIBLE: f32 = 4.3e-18;
+pub(super) const NEGLIGIBLE: f32 = 4.3e-18;
 
 /// Nearer to a lobe's horizon (its cosine) its largest value bounds it: f32 holds no tangent there.
-const HORIZON: f32 = 1e-3;
+pub(super) const HORIZON: f32 = 1e-3;
 
 /// Rounding of cos² from directions in f32.
 const COSINE2_ROUNDING: f32 = 1e-6;
@@ -54,8 +55,18 @@ pub(super) fn sum_lobes(cloud: &Cloud, query: &NodeQuery) -> LobeSums {
     if query.diffuse.weight > 0.0 {
         add_lobe(&mut sums, cloud, (query.normal, query.diffuse, query.falloff()), straddles);
     }
-    for lobe in query.specular {
-        add_lobe(&mut sums, cloud, (query.axis, *lobe, query.falloff()), straddles);
+    match query.half {
+        None => {
+            for lobe in query.specular {
+                add_lobe(&mut sums, cloud, (query.axis, *lobe, query.falloff()), straddles);
+            }
+        }
+        Some(view) => {
+            let half = HalfCloud::new(cloud, view, query.normal);
+            for lobe in query.specular {
+                half.add_lobe(&mut sums, cloud, (*lobe, query.falloff()), straddles);
+            }
+        }
     }
     sums
 }
@@ -69,44 +80,70 @@ fn add_lobe(
 ) {
     let n = lobe.exponent;
     let angle = Angle::new(&cloud.direction, axis);
-    let nearest = angle.nearer(cloud.chord);
-    if 0.5 * n * nearest.smallest() > NEGLIGIBLE_EXPONENT {
+    let Some(bounds) = Bounds::new(cloud, &angle, n, Falling { mixed: k, pure: k }) else {
         sums.error = sums.error + Eight::splat(lobe.weight * NEGLIGIBLE);
         return;
-    }
-    let largest = Eight::cosine_power_bound(nearest, n);
-    let at_mean = Eight::cosine_power((angle.cos, angle.sine2), n);
-    let inward = cloud.chord * INWARD;
-    let inner = Eight::cosine_power_bound(angle.nearer(inward), n);
-    let third = at_mean * third_order(cloud, angle.farther_tan2(Eight::ZERO), n, k);
-    let fourth = inner * fourth_order(cloud, &angle, n, k);
-    let smooth = (third + fourth).smaller(largest);
-    let smooth = largest.below(at_mean * STEEPEST, smooth, largest);
-    let smooth = (cloud.chord * 1.5).at_least(HORIZON).below(angle.cos, smooth, largest);
+    };
+    let Bounds { largest, at_mean, smooth } = bounds;
     let error = straddles(largest, smooth);
     let (swing2, second) = first_orders(cloud, &angle, n, k);
     let value = (at_mean * (second + 1.0)).at_least(0.0).smaller(largest);
     sums.value = sums.value + value * lobe.weight;
     sums.error = sums.error + error * lobe.weight;
     sums.at_mean = sums.at_mean + at_mean * lobe.weight;
-    let tan = angle.farther_tan2(inward).rough_sqrt();
+    let tan = angle.farther_tan2(cloud.chord * INWARD).rough_sqrt();
     sums.slope = sums.slope + at_mean * (tan * n + k) * lobe.weight;
     sums.swing = sums.swing + at_mean * swing2.rough_sqrt() * lobe.weight;
 }
 
+/// k of (R/r)^k as the remainders take it: with derivatives of the lobe, and alone.
+#[derive(Clone, Copy)]
+pub(super) struct Falling {
+    pub mixed: f32,
+    pub pure: f32,
+}
+
+/// cosⁿ at the mean place, the most that it is anywhere, and what second order leaves out.
+pub(super) struct Bounds {
+    pub largest: Eight,
+    pub at_mean: Eight,
+    pub smooth: Eight,
+}
+
+impl Bounds {
+    /// `None` where the lobe is negligible for all.
+    #[inline(always)]
+    pub fn new(cloud: &Cloud, angle: &Angle, n: f32, k: Falling) -> Option<Bounds> {
+        let nearest = angle.nearer(cloud.chord);
+        if 0.5 * n * nearest.smallest() > NEGLIGIBLE_EXPONENT {
+            return None;
+        }
+        let largest = Eight::cosine_power_bound(nearest, n);
+        let at_mean = Eight::cosine_power((angle.cos, angle.sine2), n);
+        let inward = cloud.chord * INWARD;
+        let inner = Eight::cosine_power_bound(angle.nearer(inward), n);
+        let third = at_mean * third_order(cloud, angle.farther_tan2(Eight::ZERO), n, k);
+        let fourth = inner * fourth_order(cloud, angle, n, k);
+        let smooth = (third + fourth).smaller(largest);
+        let smooth = largest.below(at_mean * STEEPEST, smooth, largest);
+        let smooth = (cloud.chord * 1.5).at_least(HORIZON).below(angle.cos, smooth, largest);
+        Some(Bounds { largest, at_mean, smooth })
+    }
+}
+
 /// Between the mean place and a lobe's axis.
-struct Angle {
-    cos: Eight,
+pub(super) struct Angle {
+    pub cos: Eight,
     /// 1 past 90°.
-    sine2: Eight,
-    sine: Eight,
+    pub sine2: Eight,
+    pub sine: Eight,
     /// The axis less its part along the direction.
-    across: Vectors,
+    pub across: Vectors,
 }
 
 impl Angle {
     #[inline(always)]
-    fn new(direction: &Vectors, axis: [f32; 3]) -> Angle {
+    pub fn new(direction: &Vectors, axis: [f32; 3]) -> Angle {
         let cos = dot_one(direction, axis);
         let across = vectors(|i| -(direction[i] * cos) + axis[i]);
         let one = Eight::splat(1.0);
@@ -124,7 +161,7 @@ impl Angle {
 
     /// Tangent² of places up to `chord` farther from the axis.
     #[inline(always)]
-    fn farther_tan2(&self, chord: Eight) -> Eight {
+    pub fn farther_tan2(&self, chord: Eight) -> Eight {
         let sine = (self.sine + chord).at_most(1.0);
         let tan = sine * (self.cos - chord).at_least(0.5 * HORIZON).recip();
         tan * tan
@@ -161,10 +198,12 @@ fn lower_derivatives(tan2: Eight, n: f32) -> (Eight, Eight, Eight) {
 
 /// Bound of G relative to cosⁿ, for the norm of the third moment.
 #[inline(always)]
-fn third_order(cloud: &Cloud, tan2: Eight, n: f32, k: f32) -> Eight {
+fn third_order(cloud: &Cloud, tan2: Eight, n: f32, Falling { mixed: k, pure }: Falling) -> Eight {
     let (first, second, third) = lower_derivatives(tan2, n);
-    let derivative =
-        third + second * (3.0 * k) + first * (3.0 * k * (k + 1.0)) + k * (k + 1.0) * (k + 2.0);
+    let derivative = third
+        + second * (3.0 * k)
+        + first * (3.0 * k * (k + 1.0))
+        + pure * (pure + 1.0) * (pure + 2.0);
     let inverse = cloud.inverse_distance;
     derivative * cloud.skewness * (inverse * inverse * inverse) * (1.0 / 6.0)
 }
@@ -175,13 +214,18 @@ fn third_order(cloud: &Cloud, tan2: Eight, n: f32, k: f32) -> Eight {
 /// distance: a y² p⁴ − b y p² q² + c q⁴, where √y |p| is at most what it is at c̄ and what the way
 /// inward adds.
 #[inline(always)]
-fn fourth_order(cloud: &Cloud, angle: &Angle, n: f32, k: f32) -> Eight {
+fn fourth_order(
+    cloud: &Cloud,
+    angle: &Angle,
+    n: f32,
+    Falling { mixed: k, pure }: Falling,
+) -> Eight {
     let inward = cloud.chord * INWARD;
     let (first, second, third) = lower_derivatives(angle.farther_tan2(inward), n);
     let falling = third * (4.0 * k)
         + second * (6.0 * k * (k + 1.0))
         + first * (4.0 * k * (k + 1.0) * (k + 2.0))
-        + k * (k + 1.0) * (k + 2.0) * (k + 3.0);
+        + pure * (pure + 1.0) * (pure + 2.0) * (pure + 3.0);
     let inverse = cloud.inverse_distance;
     let spread = (cloud.trace - cloud.radial()) * inverse * inverse;
     let inverse_cos = (angle.cos - inward).at_least(0.5 * HORIZON).recip();

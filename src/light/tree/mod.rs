@@ -4,6 +4,7 @@ mod blocks;
 mod cones;
 mod descent;
 mod eight;
+mod half;
 mod interpolation;
 mod levels;
 mod lobe;
@@ -89,15 +90,18 @@ impl LightTree {
     /// about 64 nodes may be missed unless `light_error` is 0.
     /// A sample at the hit itself has no direction and adds nothing.
     pub fn sum(&self, query: &HitQuery, light_error: f64, visible: Option<Visibility>) -> LightSum {
-        let lobes = LobeSet::new(query.lobes, query.photometry);
+        let (near, far) = (Side::reflected(query), Side::transmitted(query));
+        let lobes = LobeSet::new(query.lobes, query.photometry, &near);
         let mut sum = LightSum::default();
         if query.reflects {
-            let side = self.sum_side(query, &lobes, Side::reflected(query), light_error, visible);
+            let side = self.sum_side(query, &lobes, near, light_error, visible);
             (sum.reflected, sum.reflected_error) = (side.sum, side.error);
             (sum.nodes, sum.samples) = (side.nodes, side.samples);
         }
         if query.transmits {
-            let side = self.sum_side(query, &lobes, Side::transmitted(query), light_error, visible);
+            let far_lobes = || LobeSet::new(query.lobes, query.photometry, &far);
+            let lobes = if near.is_half { far_lobes() } else { lobes };
+            let side = self.sum_side(query, &lobes, far, light_error, visible);
             (sum.transmitted, sum.transmitted_error) = (side.sum, side.error);
             sum.nodes += side.nodes;
             sum.samples += side.samples;
@@ -133,7 +137,7 @@ impl LightTree {
         let to_local = |v: DVec3| self.local_from_world.transform_vector3(v).normalize_or_zero();
         let query_here = BlockQuery {
             point: self.local_from_world.transform_point3(query.point),
-            side: Side { normal: to_local(side.normal), axis: to_local(side.axis) },
+            side: Side { normal: to_local(side.normal), axis: to_local(side.axis), ..side },
             lobes,
             inverse_square: query.photometry == Photometry::Absolute,
             exponent: self.exponent,
@@ -188,7 +192,7 @@ impl LightTree {
 mod tests {
     use super::*;
     use crate::light::RaySample;
-    use crate::material::{Lobes, SpecularLobe};
+    use crate::material::{LobeShape, Lobes, SpecularLobe};
     use crate::simd::test::under_each;
 
     /// On a helix, turned outward.
@@ -218,7 +222,9 @@ mod tests {
                 SpecularLobe { k_s: 0.5, n_s: 20.0 },
                 SpecularLobe { k_s: 0.4, n_s: 1500.0 },
             ],
+            ..Lobes::default()
         };
+        let half = Lobes { shape: LobeShape::Half, ..lobes.clone() };
         let sums = under_each(|| {
             let tree = LightTree::build(&set);
             let at = |i: u32| {
@@ -228,7 +234,7 @@ mod tests {
                     point: DVec3::new(2.5 + angle.sin(), angle.cos(), -2.0 - f64::from(i)),
                     normal,
                     view: DVec3::Z,
-                    lobes: &lobes,
+                    lobes: if i % 2 == 0 { &lobes } else { &half },
                     photometry: Photometry::Absolute,
                     reflects: true,
                     transmits: true,

@@ -34,6 +34,8 @@ pub(super) struct NodeQuery<'a> {
     pub axis: [f32; 3],
     pub diffuse: Power,
     pub specular: &'a [Power],
+    /// V, if the specular lobes are half-vector lobes.
+    pub half: Option<[f32; 3]>,
     pub inverse_square: bool,
 }
 
@@ -236,6 +238,17 @@ impl Cloud {
             covariance: emission.covariance,
             along,
             trace: trace.at_least(0.0),
+        }
+    }
+
+    /// The samples as far apart as if they were nearer by `factor`.
+    #[inline(always)]
+    pub fn nearer_by(&self, factor: Eight) -> Cloud {
+        Cloud {
+            inverse_distance: self.inverse_distance * factor,
+            cone: self.cone * factor,
+            chord: self.chord * factor,
+            ..*self
         }
     }
 

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use mlua::{IntoLua, Lua, Table, UserData, UserDataRegistry, Value};
 
-use super::kinds::{Flag, Kind, Number, Or, SpectrumOrNumber, Text, Whole};
+use super::kinds::{Choice, Flag, Kind, Number, Or, SpectrumOrNumber, Text, Whole};
 use super::members::{Functions, Members};
 use super::options::{self, Arguments, Range};
 use super::record::options;
 use crate::error::Error;
-use crate::material::{EXPONENT_RANGE, Fresnel, Lobes, Material, SpecularLobe};
+use crate::material::{EXPONENT_RANGE, Fresnel, LobeShape, Lobes, Material, SpecularLobe};
 use crate::spectrum::Spectrum;
 
 /// Handle of a material.
@@ -44,6 +44,8 @@ options! {
         k_s: Vec<f64> = OneOrMore(Number(Range::RATIO)).or(vec![0.0]),
         /// its exponent
         n_s: Vec<f64> = OneOrMore(Number(EXPONENT)).or(vec![1.0]),
+        /// of the specular lobes: about the mirror direction, or by the half vector as of a rough surface
+        lobe: LobeShape = LOBES.or(LobeShape::Mirror),
         /// proportion of the mirrored ray
         k_rg: Option<f64> = Number(Range::RATIO).optional("0, or 1 with `fresnel`"),
         /// proportion of the transmitted ray
@@ -53,6 +55,8 @@ options! {
     }
 }
 
+const LOBES: Choice<LobeShape> =
+    Choice(&[("mirror", LobeShape::Mirror), ("half", LobeShape::Half)]);
 const SHARE: Or<Number> = Or { kind: Number(Range::RATIO), default: 0.0 };
 const EXPONENT: Range = Range::new(EXPONENT_RANGE[0], EXPONENT_RANGE[1], "");
 
@@ -74,7 +78,7 @@ fn material(mut arguments: Arguments) -> mlua::Result<LuaMaterial> {
         ior: given.ior,
         fresnel,
         priority: given.priority,
-        lobes: Lobes { k_d: given.k_d, n_d: given.n_d, specular },
+        lobes: Lobes { k_d: given.k_d, n_d: given.n_d, specular, shape: given.lobe },
         k_rg: given.k_rg.unwrap_or(share),
         k_tg: given.k_tg.unwrap_or(share),
         k_a: given.k_a,

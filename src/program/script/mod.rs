@@ -15,6 +15,7 @@ mod fault;
 mod host;
 mod kinds;
 mod members;
+mod optical;
 mod options;
 mod record;
 mod repl;
@@ -92,6 +93,7 @@ fn module(lua: &Lua) -> mlua::Result<Table> {
     spectrum::register(lua, &module)?;
     mesh::register(lua, &module)?;
     material::register(lua, &module)?;
+    optical::register(lua, &module)?;
     light::register(lua, &module)?;
     emitter::register(lua, &module)?;
     view::register(lua, &module)?;

@@ -103,7 +103,7 @@ pub(super) fn warn_of_target(host: &Host, stats: &RenderStats) {
     if let Some(report) = stats.target.filter(|report| !report.is_reached()) {
         host.warn(report.to_string());
     }
-    stats.warnings().into_iter().for_each(|warning| host.warn(warning));
+    stats.counts.warnings().into_iter().for_each(|warning| host.warn(warning));
 }
 
 impl TraceOptions {

@@ -23,6 +23,7 @@ use crate::program::results::{ASKED, STATS, VIEW};
 use crate::program::stage::Stage;
 use crate::render::{Asked, RenderStats, Watch, why_black};
 use crate::scene::plausibility;
+use crate::shading::TraceCounts;
 use crate::view::View;
 
 /// One view of a sweep, and what it shows.
@@ -65,6 +66,8 @@ pub struct SweepOutcome {
     pub kept: usize,
     /// What the display cannot show of the pictures that were developed.
     pub gamut: GamutReport,
+    /// Of the views that were rendered.
+    pub counts: TraceCounts,
 }
 
 impl Plan<'_> {
@@ -100,6 +103,7 @@ impl Plan<'_> {
         }
         folder.set_source((self.source)()?);
         done.gamut = folder.finish(&self.pictures)?;
+        done.counts.warnings().into_iter().for_each(self.warn);
         Ok(done)
     }
 
@@ -135,6 +139,7 @@ impl Plan<'_> {
         let entry = Entry { index, name: shot.name.clone(), key, outputs, details, ..Entry::new() };
         folder.add(entry, start.elapsed().as_secs_f64())?;
         done.rendered += 1;
+        done.counts = done.counts + stats.counts;
         Ok(())
     }
 
