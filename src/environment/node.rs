@@ -278,7 +278,7 @@ impl Node {
         let (height, width) = (sum.dot(normal), sum.length());
         let turning = (width - self.radius).max(f64::MIN_POSITIVE).recip();
         let sine = (sum / width.max(f64::MIN_POSITIVE)).cross(normal).length();
-        let nearest = (sine - self.radius * turning).max(0.0).min(1.0);
+        let nearest = (sine - self.radius * turning).clamp(0.0, 1.0);
         let highest =
             if height <= -self.radius { 0.0 } else { (1.0 - nearest * nearest).powf(0.5 * n) };
         let most = weight * light * highest;

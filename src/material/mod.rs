@@ -52,6 +52,7 @@ pub struct Lobes {
     pub n_d: f64,
     /// Only lobes with k_s > 0.
     pub specular: Vec<SpecularLobe>,
+    /// What the specular lobes are about.
     pub shape: LobeShape,
 }
 

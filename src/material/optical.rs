@@ -5,7 +5,9 @@ use crate::spectrum::Spectrum;
 /// The complex index n + ik of a material, by wavelength.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OpticalConstants {
+    /// The index.
     pub n: Spectrum,
+    /// The extinction coefficient: an internal transmittance of exp(−4π k d/λ) over a path d.
     pub k: Spectrum,
 }
 

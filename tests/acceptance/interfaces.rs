@@ -1,7 +1,9 @@
 //! Bodies, interfaces and Fresnel's law against closed forms.
 
 use lampyris::geometry::{DVec3, Mesh};
-use lampyris::material::{Fresnel, Material, dielectric_reflectance, metal_reflectance};
+use lampyris::material::{
+    Fresnel, Material, OpticalConstants, dielectric_reflectance, metal_reflectance,
+};
 use lampyris::render::{Quality, trace_paths};
 use lampyris::scene::{Background, Scene};
 use lampyris::shading::{PathSegment, RayKind, TraceLimits};
@@ -214,11 +216,10 @@ fn an_eye_in_a_body_knows_it() {
     assert!((leaves.z.abs().acos() - expected).abs() < 1e-12);
 }
 
-/// A metal's mirror in a surround of 1, at every band.
+/// A mirror of the program's own aluminium in a surround of 1, at every band.
 #[test]
 fn aluminium_mirrors_by_angle_and_wavelength() {
-    let n = Spectrum::from_pairs("n", [(380.0, 0.4), (780.0, 2.0)]).expect("a good table");
-    let k = Spectrum::from_pairs("k", [(380.0, 4.5), (780.0, 7.9)]).expect("a good table");
+    let OpticalConstants { n, k } = OpticalConstants::aluminium();
     let metal = Material {
         fresnel: Fresnel::Metal { n: n.clone(), k: k.clone() },
         k_rg: 1.0,
@@ -235,6 +236,55 @@ fn aluminium_mirrors_by_angle_and_wavelength() {
             let expected = metal_reflectance(angle_deg.to_radians().cos(), 1.0, index);
             assert!((f64::from(image.pixel(0, 0)[band]) - expected).abs() < 1e-6);
         }
+    }
+}
+
+/// A 60° prism of PMMA at minimum deviation of the d line: what leaves is turned by
+/// 2 asin(n sin 30°) − 60° there, and by Snell's law twice at the C and F lines.
+#[test]
+fn a_prism_of_pmma_deviates_each_line_by_its_index() {
+    let n = OpticalConstants::pmma().n;
+    let incidence = (0.5 * n.at(587.56)).asin();
+    let deviation = |index: f64| {
+        let inside = 60f64.to_radians() - (incidence.sin() / index).asin();
+        (incidence + (index * inside.sin()).asin()).to_degrees() - 60.0
+    };
+    // Its first face lies at z = 0, the second turned by 60° about y.
+    let (sin, cos) = 60f64.to_radians().sin_cos();
+    let corners =
+        [DVec3::ZERO, DVec3::new(40.0, 0.0, 0.0), DVec3::new(40.0 * cos, 0.0, -40.0 * sin)];
+    let at = |y: f64| corners.map(|c| c - DVec3::new(10.0, y, 0.0));
+    let positions: Vec<DVec3> = at(20.0).into_iter().chain(at(-20.0)).collect();
+    let triangles = vec![
+        [0, 2, 1],
+        [3, 4, 5],
+        [0, 1, 4],
+        [0, 4, 3],
+        [1, 2, 5],
+        [1, 5, 4],
+        [2, 0, 3],
+        [2, 3, 5],
+    ];
+    let mesh = Mesh::flat("prism", positions, triangles).expect("a good mesh");
+    let quality = Quality { limits: TraceLimits { dispersion: 81, ..exact(8).limits }, ..exact(8) };
+    let material = Material { ior: Some(n.clone()), ..glass(1.5) };
+    let prepared = surrounded(vec![(mesh, material)]).prepare().expect("a good scene");
+    // From the side of the apex, so that the ray is turned away from it.
+    let view = pixel_view(-incidence.to_degrees(), 100.0);
+    let segments = trace_paths(&prepared, &view, &quality, [0.5, 0.5]).expect("paths");
+    let first = segments[0].direction;
+    let turned: Vec<f64> = segments
+        .iter()
+        .filter(|segment| segment.depth == 2 && segment.kind == RayKind::Transmitted)
+        .map(|segment| segment.direction.dot(first).acos().to_degrees())
+        .collect();
+    assert_eq!(turned.len(), 81);
+    let bands: Vec<(f64, f64)> =
+        WavelengthGrid::Step5.wavelengths_nm().zip(turned.into_iter().rev()).collect();
+    let by_band = Spectrum::from_pairs("deviation", bands).expect("a good table");
+    for lambda_nm in [656.27, 587.56, 486.13] {
+        let (found, expected) = (by_band.at(lambda_nm), deviation(n.at(lambda_nm)));
+        assert!((found - expected).abs() < 1e-3, "{lambda_nm}: {found}, expected {expected}");
     }
 }
 
@@ -293,4 +343,50 @@ fn light_through_a_filter_is_attenuated_in_absolute_photometry() {
     assert_eq!(lamp(filter(), Absolute, Shadows::Off), free);
     let free = lamp(None, Relative, Shadows::On);
     assert_eq!(lamp(filter(), Relative, Shadows::On), free, "the paper's photometry");
+}
+
+/// Where two bodies overlap only the stronger one is there, for light as for eyes.
+#[test]
+fn light_through_overlapping_bodies_is_attenuated_by_the_stronger() {
+    use lampyris::color::Photometry::Absolute;
+    use lampyris::scene::Shadows;
+    let wall = Material { lobes: diffuse(1.0, 1.0), ..material() };
+    let body = |transmittance: f64, priority: i32| Material {
+        transmittance: Some(Spectrum::constant(transmittance)),
+        thickness_mm: Some(1.0),
+        k_tg: 1.0,
+        priority,
+        ..material()
+    };
+    let plate =
+        |low: f64, high: f64| block(DVec3::new(-9.0, -9.0, low), DVec3::new(9.0, 9.0, high));
+    let lamp = |bodies: Vec<(Mesh, Material)>| {
+        let mut objects = vec![(square(0.0, 50.0), wall.clone())];
+        objects.extend(bodies);
+        let light = point_light(DVec3::Z * 100.0, DVec3::NEG_Z, 1.0);
+        let scene =
+            Scene { shadows: Shadows::On, photometry: Absolute, ..scene(objects, vec![light]) };
+        f64::from(shoot(scene, &pixel_view(45.0, 200.0), &exact(0)).pixel(0, 0)[40])
+    };
+    let free = lamp(vec![]);
+    // 2 mm of 0.5, 3 mm of 0.8, of which 1 mm is in both.
+    for (strong, expected) in [(0, 0.5f64.powi(2) * 0.8f64.powi(2)), (1, 0.5 * 0.8f64.powi(3))] {
+        let bodies = |turned: bool| {
+            let priority = |at: usize| i32::from(at == strong);
+            let mut bodies = vec![
+                (plate(50.0, 52.0), body(0.5, priority(0))),
+                (plate(51.0, 54.0), body(0.8, priority(1))),
+            ];
+            bodies.rotate_left(usize::from(turned));
+            bodies
+        };
+        for turned in [false, true] {
+            assert_close(lamp(bodies(turned)) / free, expected, SINGLE, "overlap");
+        }
+    }
+    // Without `thickness`, faces inside of a stronger body are no interfaces.
+    let glass = |priority: i32| Material { thickness_mm: None, ..body(0.5, priority) };
+    let glass = |priority: i32| Material { ior: Some(Spectrum::constant(1.5)), ..glass(priority) };
+    let inner = vec![(plate(50.0, 54.0), glass(1)), (plate(51.0, 52.0), glass(0))];
+    assert_close(lamp(inner) / free, 0.25, SINGLE, "hidden in a stronger body");
 }

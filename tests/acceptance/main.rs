@@ -13,6 +13,7 @@ mod layers;
 mod lens_colors;
 mod light_check;
 mod mesh_files;
+mod stacks;
 mod stage;
 mod surroundings;
 mod target_error;

@@ -50,7 +50,7 @@ const GRAZING: f64 = 1e-6;
 /// What a half-vector lobe of k_s = 1 returns of an even light all around.
 ///
 /// It has no masking, so that wide lobes would return more than arrives at grazing angles: n = 20
-/// does from 81° on, n = 1500 from 89° on. There the lobe is divided by this. It is
+/// does from 82° on, n = 1500 from 89° on. There the lobe is divided by this. It is
 /// ∫ D(H) (V·H)/(N·V) over the H whose L is above the horizon: closed in the azimuth of H, and the
 /// midpoint rule in the root of cos^(exponent + 2) of its other angle.
 pub(crate) fn half_lobe_return(cos_view: f64, exponent: f64) -> f64 {

@@ -234,7 +234,7 @@ mod tests {
                     point: DVec3::new(2.5 + angle.sin(), angle.cos(), -2.0 - f64::from(i)),
                     normal,
                     view: DVec3::Z,
-                    lobes: if i % 2 == 0 { &lobes } else { &half },
+                    lobes: if i.is_multiple_of(2) { &lobes } else { &half },
                     photometry: Photometry::Absolute,
                     reflects: true,
                     transmits: true,
