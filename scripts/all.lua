@@ -9,7 +9,9 @@ local of_the_paper = {
   "fig1", "fig3", "fig5", "fig6", "fig7", "fig8", "fig9", "fig10", "fig11",
   "table2", "table3", "table4", "table5",
 }
-local beyond_it = { "fig8_samples", "start_points", "glare", "tradeoff", "target_error", "stability" }
+local beyond_it = {
+  "fig8_samples", "start_points", "interfaces", "glare", "tradeoff", "target_error", "stability",
+}
 
 local style = [[
 body { font: 16px/1.5 "DejaVu Sans", Verdana, sans-serif; color: #222; background: #fff;

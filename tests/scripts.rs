@@ -53,7 +53,7 @@ const MODELS: [(&str, &str); 4] =
     [("model1", "15"), ("model2", "00"), ("model3", "turn"), ("model4", "tail")];
 
 /// Scripts that draw a figure of their own name.
-const FIGURES: [&str; 14] = [
+const FIGURES: [&str; 15] = [
     "fig1",
     "fig3",
     "fig5",
@@ -64,7 +64,9 @@ const FIGURES: [&str; 14] = [
     "fig10",
     "fig11",
     "fig8_samples",
+    "interfaces",
     "glare",
+    "interfaces",
     "start_points",
     "target_error",
     "tradeoff",
