@@ -22,12 +22,12 @@ local function body(corners)
   end
   for k = 1, count do
     local after = k % count + 1
-    table.insert(triangles, { k, after, after + count })
-    table.insert(triangles, { k, after + count, k + count })
+    table.insert(triangles, { after, k, k + count })
+    table.insert(triangles, { after, k + count, after + count })
   end
   for k = 2, count - 1 do
-    table.insert(triangles, { 1, k + 1, k })
-    table.insert(triangles, { count + 1, count + k, count + k + 1 })
+    table.insert(triangles, { 1, k, k + 1 })
+    table.insert(triangles, { count + 1, count + k + 1, count + k })
   end
   return lampyris.mesh.new { positions = positions, triangles = triangles, smooth = false }
 end
@@ -161,8 +161,9 @@ row("body of 1.6 in one of 1.33: outer (°)", degrees_from_axis(segments[2].dire
 row("body of 1.6 in one of 1.33: inner (°)", degrees_from_axis(segments[3].direction), refracted(1.6))
 row("body of 1.6 in one of 1.33: leaves at (°)", angle, 40)
 row("body of 1.6 in one of 1.33: what is left", left, 0.9 ^ (2 / math.cos(math.rad(refracted(1.33)))))
-row("glass with a painted back", seen({ slab(-10, 0), glass(), slab(-11, -10), black }, 40), 0)
-row("the same, painted first", seen({ slab(-11, -10), black, slab(-10, 0), glass() }, 40), 0)
+local paint = lampyris.material { reflectance = 0.3, k_rg = 1 }
+row("glass with a back that mirrors 0.3", seen({ slab(-10, 0), glass(), slab(-11, -10), paint }, 40), 0.3)
+row("the same, the back first", seen({ slab(-11, -10), paint, slab(-10, 0), glass() }, 40), 0.3)
 
 --- Where rays run, in x and z; what leaves is drawn as far as `reach`.
 local function run_of(list, reach)
