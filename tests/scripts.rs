@@ -64,7 +64,6 @@ const FIGURES: [&str; 15] = [
     "fig10",
     "fig11",
     "fig8_samples",
-    "interfaces",
     "glare",
     "interfaces",
     "start_points",
