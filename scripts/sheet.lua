@@ -42,7 +42,8 @@ function sheet.new(point, edge, cells, keep)
   end
   return {
     point = point, columns = columns, rows = rows, keep = keep,
-    nu = count(mean_length(point, false), columns), nv = count(mean_length(point, true), rows),
+    nu = count(lampyris.keep(mean_length, point, false), columns),
+    nv = count(lampyris.keep(mean_length, point, true), rows),
   }
 end
 
@@ -115,7 +116,7 @@ local function add_cell(out, places, first, m, n)
   end
 end
 
-function sheet.mesh(of)
+local function mesh(of)
   local places = evaluated(of)
   local m, n = of.nu // of.columns, of.nv // of.rows
   local out = { positions = {}, normals = {}, triangles = {} }
@@ -125,6 +126,10 @@ function sheet.mesh(of)
     end
   end
   return lampyris.mesh.new(out)
+end
+
+function sheet.mesh(of)
+  return lampyris.keep(mesh, of)
 end
 
 --- One mesh of several sheets.

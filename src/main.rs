@@ -16,7 +16,7 @@ use lampyris::program::develop::develop_files;
 use lampyris::program::progress::Verbosity;
 use lampyris::program::script::{self, ScriptFault, Settings};
 use lampyris::program::sweep::{self, Shard};
-use lampyris::program::{diff, info, memory, study};
+use lampyris::program::{diff, info, memory, study, watch};
 
 /// Predicts what a lit lamp looks like and how bright it is, wavelength by wavelength.
 ///
@@ -43,6 +43,21 @@ enum Command {
         /// Render a part of each sweep, such as 3/40; `lampyris merge` joins the parts
         #[arg(long, value_name = "NUMBER/COUNT")]
         shard: Option<Shard>,
+        /// Arguments for the script, after --
+        #[arg(last = true)]
+        arguments: Vec<String>,
+    },
+    /// Run a Lua script again whenever it or what it reads changes, and show its pictures
+    ///
+    /// A page in a browser on this machine shows each picture coarse first, then finer, and what the
+    /// script prints. What has not changed is kept from run to run.
+    Watch {
+        script: PathBuf,
+        #[command(flatten)]
+        options: RunOptions,
+        /// Where the page is served, on this machine only [default: any that is free]
+        #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
+        port: u16,
         /// Arguments for the script, after --
         #[arg(last = true)]
         arguments: Vec<String>,
@@ -148,6 +163,14 @@ fn main() -> ExitCode {
             end_when_stuck(settings.clone());
             confine_reading(&script, &settings)?;
             script::run(&script, settings)
+        }),
+        Command::Watch { script, options, port, arguments } => options.start(|settings| {
+            let settings = Settings { arguments, ..settings };
+            end_when_stuck(settings.clone());
+            let say = |line: &str| {
+                say(line); // the page goes on without a terminal
+            };
+            watch::watch(&script, settings, port, say).map_err(ScriptFault::from)
         }),
         Command::Repl { options } => options.start(script::repl),
         Command::Develop { files, display, mut look, exposure, bits, out } => {

@@ -1256,6 +1256,15 @@ function Figure:save(path) end
 ---@return string  SVG text
 function Figure:svg() end
 
+---f(…); under `lampyris watch`, what it returned in an earlier run where f, all that it reaches and
+---the arguments hold the same. For what takes long: f says and changes nothing, and its result is of
+---meshes, rays, spectra, numbers, texts, truth values, and tables of these.
+---@generic T
+---@param f fun(...): T
+---@param ... any
+---@return T
+function lampyris.keep(f, ...) end
+
 ---Writes a text file below the output folder.
 ---@param path string
 ---@param text string

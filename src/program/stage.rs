@@ -1,25 +1,44 @@
 //! A scene that is prepared when it is first needed, and then kept.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
 use crate::error::Result;
 use crate::program::sweep::{self, Digest};
 use crate::scene::{Prepared, Scene, plausibility};
 use crate::shading;
 
+/// The prepared scenes that a process still has: one that is to be prepared takes over what they
+/// have of its meshes and rays.
+#[derive(Debug, Clone, Default)]
+pub struct InUse(Arc<Mutex<Vec<Weak<Prepared>>>>);
+
+impl InUse {
+    /// Those that somebody still holds.
+    pub fn all(&self) -> Vec<Arc<Prepared>> {
+        let mut list = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        list.retain(|scene| scene.strong_count() > 0);
+        list.iter().filter_map(Weak::upgrade).collect()
+    }
+
+    fn add(&self, scene: &Arc<Prepared>) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(Arc::downgrade(scene));
+    }
+}
+
 /// A scene with what is worked out of it once: its preparation and its digest.
 #[derive(Debug)]
 pub struct Stage {
     /// As it was described.
     pub scene: Scene,
+    in_use: InUse,
     prepared: OnceLock<Arc<Prepared>>,
     fingerprint: OnceLock<Digest>,
 }
 
 impl Stage {
-    /// Prepares nothing yet.
-    pub fn new(scene: Scene) -> Self {
-        Self { scene, prepared: OnceLock::new(), fingerprint: OnceLock::new() }
+    /// Prepares nothing yet; `in_use` are the others.
+    pub fn new(scene: Scene, in_use: InUse) -> Self {
+        Self { scene, in_use, prepared: OnceLock::new(), fingerprint: OnceLock::new() }
     }
 
     /// Whether [`Self::prepared`] has been called.
@@ -35,7 +54,8 @@ impl Stage {
         if let Some(prepared) = self.prepared.get() {
             return Ok(Arc::clone(prepared));
         }
-        let prepared = Arc::new(shading::prepare(self.scene.clone())?);
+        let prepared = Arc::new(shading::prepare(self.scene.clone(), &self.in_use.all())?);
+        self.in_use.add(&prepared);
         plausibility::of_scene(&prepared).into_iter().for_each(warn);
         Ok(Arc::clone(self.prepared.get_or_init(|| prepared)))
     }

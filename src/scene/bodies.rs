@@ -3,6 +3,7 @@
 use crate::geometry::bvh::Bvh;
 use crate::geometry::{Closure, DVec3};
 
+use super::reuse::Earlier;
 use super::{MaterialId, Object, Scene};
 
 /// What a ray does at a surface.
@@ -56,9 +57,9 @@ const STEEPEST: f64 = 1000.0;
 const STEEPEST_CONTACT: f64 = 30.0;
 
 impl Surfaces {
-    pub(super) fn new(scene: &Scene, bvh: &Bvh) -> Self {
+    pub(super) fn new(scene: &Scene, bvh: &Bvh, earlier: Earlier) -> Self {
         let of_object: Vec<Surface> =
-            scene.objects.iter().map(|object| Surface::new(object, scene)).collect();
+            scene.objects.iter().map(|object| Surface::new(object, scene, earlier)).collect();
         let are_bodies = scene.objects.iter().zip(&of_object);
         let bodies = are_bodies
             .filter(|(_, surface)| surface.kind == SurfaceKind::Body)
@@ -81,7 +82,7 @@ impl Surfaces {
 }
 
 impl Surface {
-    fn new(object: &Object, scene: &Scene) -> Self {
+    fn new(object: &Object, scene: &Scene, earlier: Earlier) -> Self {
         let material = &scene.materials[object.material.0];
         let mut surface = Self {
             kind: SurfaceKind::Opaque,
@@ -91,7 +92,8 @@ impl Surface {
             volume_mm3: 0.0,
         };
         if material.is_body() {
-            let closure = Closure::of(&object.mesh);
+            let known = earlier.closure(&object.mesh);
+            let closure = known.unwrap_or_else(|| Closure::of(&object.mesh));
             surface.closure = Some(closure);
             surface.volume_mm3 = closure.volume_mm3.abs();
             surface.kind = if closure.is_closed() { SurfaceKind::Body } else { SurfaceKind::Sheet };

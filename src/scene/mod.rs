@@ -3,6 +3,7 @@
 mod bodies;
 mod emitters;
 pub mod plausibility;
+mod reuse;
 mod tables;
 
 use std::sync::{Arc, OnceLock};
@@ -23,6 +24,7 @@ use crate::spectrum::{Spectrum, WavelengthGrid};
 
 pub use bodies::{Surface, SurfaceKind, Surfaces};
 pub use emitters::PreparedEmitter;
+use reuse::Earlier;
 pub use tables::{Index, MaterialTables, SpectralTables, SurroundingsTables};
 
 /// Index into [`Scene::materials`].
@@ -160,9 +162,9 @@ pub struct Prepared {
     /// What it was built from.
     pub scene: Scene,
     /// Triangles of all objects, then of the emitters.
-    pub bvh: Bvh,
+    pub bvh: Arc<Bvh>,
     /// One a light.
-    pub light_trees: Vec<LightTree>,
+    pub light_trees: Vec<Arc<LightTree>>,
     /// Whether light ends at an object, or at an emitter behind these.
     pub opaque: Arc<[bool]>,
     /// From any object this far on is outside of all of them, mm.
@@ -214,21 +216,29 @@ impl Scene {
 
     /// Builds BVH and light trees. Errors: as [`Scene::check`].
     pub fn prepare(self) -> Result<Prepared> {
+        self.prepare_from(&[])
+    }
+
+    /// The same, to the bit; what an `earlier` scene has of the same meshes or rays is taken from it.
+    /// Errors: as [`Scene::check`].
+    pub fn prepare_from(self, earlier: &[Arc<Prepared>]) -> Result<Prepared> {
         self.check()?;
+        let earlier = Earlier(earlier);
         let start = Instant::now();
         let mut meshes: Vec<Arc<Mesh>> = self.objects.iter().map(|o| Arc::clone(&o.mesh)).collect();
         let emitters = PreparedEmitter::all(&self.lights);
         meshes.extend(emitters.iter().map(|emitter| Arc::clone(&emitter.mesh)));
-        let bvh = Bvh::build(&meshes);
+        let bvh = earlier.bvh(&meshes).unwrap_or_else(|| Arc::new(Bvh::build(&meshes)));
         let bvh_seconds = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let light_trees = self.lights.iter().map(|light| LightTree::build(&light.rays)).collect();
+        let tree = |rays| earlier.light_tree(rays).unwrap_or_else(|| LightTree::build(rays).into());
+        let light_trees = self.lights.iter().map(|light| tree(&light.rays)).collect();
         let seconds = BuildSeconds { bvh: bvh_seconds, light_trees: start.elapsed().as_secs_f64() };
         let opaque = self.opaque(&emitters);
         let blocks = self.blocks(&opaque, &emitters);
         let beyond_mm = bvh.bounds().map_or(1.0, |(low, high)| 1.0 + 2.0 * low.distance(high));
         let far_lobes = self.materials.iter().map(|material| self.far_lobes(material)).collect();
-        let surfaces = Surfaces::new(&self, &bvh);
+        let surfaces = Surfaces::new(&self, &bvh, earlier);
         let tables = Default::default();
         let scene = self;
         Ok(Prepared {
@@ -273,7 +283,8 @@ impl Prepared {
     ) {
         let (lights, came_of): (Vec<_>, Vec<_>) = bounced.into_iter().unzip();
         let start = Instant::now();
-        self.light_trees.par_extend(lights.par_iter().map(|light| LightTree::build(&light.rays)));
+        self.light_trees
+            .par_extend(lights.par_iter().map(|light| Arc::new(LightTree::build(&light.rays))));
         self.scene.lights.extend(lights);
         self.blocks = self.scene.blocks(&self.opaque, &self.emitters);
         self.came_of = came_of;

@@ -7,6 +7,7 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -39,17 +40,18 @@ const LIFT: f64 = 1e-6;
 /// Spectra nearer than this to each other, of their peak, are one light.
 const SAME_SPECTRUM: f64 = 1e-3;
 
-/// Prepares a scene, with light samples for what its surfaces return if it asks for that.
+/// Prepares a scene, with light samples for what its surfaces return if it asks for that, and with
+/// what `earlier` scenes have of its meshes and rays.
 ///
 /// Errors: as [`Scene::prepare`]; interreflection in relative photometry.
-pub fn prepare(scene: Scene) -> Result<Prepared> {
-    let Some(asked) = scene.interreflection else { return scene.prepare() };
+pub fn prepare(scene: Scene, earlier: &[Arc<Prepared>]) -> Result<Prepared> {
+    let Some(asked) = scene.interreflection else { return scene.prepare_from(earlier) };
     if scene.photometry == Photometry::Relative {
         let problem = "interreflection needs photometry = \"absolute\": relative values have no \
                        unit to be passed on";
         return Err(Error::inconsistent("scene", problem));
     }
-    let mut prepared = scene.prepare()?;
+    let mut prepared = scene.prepare_from(earlier)?;
     let groups = follow_all(&prepared, asked)?;
     let report = InterreflectionReport {
         first_light: prepared.scene.lights.len(),

@@ -25,7 +25,7 @@ fn lit(objects: Vec<(Mesh, Material)>, light: Light, bounces: u32, samples: usiz
         interreflection: Some(Interreflection { bounces, samples, seed: 1, by_light: false }),
         ..scene(objects, vec![light])
     };
-    shading::prepare(scene).expect("a good scene")
+    shading::prepare(scene, &[]).expect("a good scene")
 }
 
 fn seen(prepared: &Prepared, ray: Ray) -> f64 {

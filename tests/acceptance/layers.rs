@@ -101,7 +101,7 @@ fn light_passed_on_has_its_layer() {
         let first = shoot(scene.clone(), &view, &quality(layers));
         scene.interreflection =
             Some(Interreflection { bounces: 3, samples: 2000, seed: 1, by_light });
-        let prepared = lampyris::shading::prepare(scene).expect("a good scene");
+        let prepared = lampyris::shading::prepare(scene, &[]).expect("a good scene");
         let image = shoot_prepared(&prepared, &view, &quality(layers));
         let found: Vec<&str> = image.layers.iter().map(|layer| layer.name.as_str()).collect();
         assert_eq!(found, names);

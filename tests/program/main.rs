@@ -10,3 +10,4 @@ mod sandbox;
 mod study;
 mod sweep;
 mod uncertainty;
+mod watch;

@@ -21,10 +21,10 @@ use crate::spectrum::Spectrum;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     let functions = Functions::of_module(lua, module);
-    functions.add("bulb", 2, bulb)?;
-    functions.add("cylinder", 1, cylinder)?;
-    functions.add("emitter", 1, emitter)?;
-    functions.add("filament", 1, filament)
+    functions.add_kept("bulb", 2, bulb)?;
+    functions.add_kept("cylinder", 1, cylinder)?;
+    functions.add_kept("emitter", 1, emitter)?;
+    functions.add_kept("filament", 1, filament)
 }
 
 options! {

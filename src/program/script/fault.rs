@@ -40,7 +40,7 @@ impl ScriptFault {
 
 impl From<Error> for ScriptFault {
     fn from(error: Error) -> Self {
-        Self { message: error.to_string(), interrupted: false }
+        Self { message: error.to_string(), interrupted: matches!(error, Error::Interrupted) }
     }
 }
 

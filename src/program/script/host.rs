@@ -1,16 +1,20 @@
 //! What a running script knows of its surroundings: folders, output, warnings, Ctrl-C.
 
+use std::io::Write;
 use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
 
 use mlua::Lua;
 
+use super::kept::Kept;
 use crate::display::{Gamut, GamutReport, Look};
 use crate::error::{Error, Result};
 use crate::output;
 use crate::program::memory;
 use crate::program::progress::{Progress, Verbosity};
+use crate::program::screen::Screen;
+use crate::program::stage::InUse;
 use crate::program::stamp::Stamp;
 use crate::program::sweep::{self, Shard};
 
@@ -31,6 +35,31 @@ pub struct Settings {
     pub max_memory: Option<usize>,
     /// The part of each sweep to render.
     pub shard: Option<Shard>,
+    /// What is kept from one run to the next.
+    pub kept: Option<Arc<Kept>>,
+    /// Where pictures and text are shown while they come.
+    pub screen: Option<Arc<Screen>>,
+    /// All files that are read, for who waits until they change.
+    pub reads: Reads,
+    /// Prepared scenes that others may take parts from.
+    pub in_use: InUse,
+}
+
+/// The files that a run has read so far.
+#[derive(Debug, Clone, Default)]
+pub struct Reads(Arc<Mutex<Vec<ScriptInput>>>);
+
+impl Reads {
+    fn add(&self, input: &ScriptInput) {
+        locked(&self.0).push(input.clone());
+    }
+
+    /// Whether one of them is there, but not as it was read.
+    pub fn have_changed(&self) -> bool {
+        let is_new =
+            |input: &ScriptInput| Stamp::of(&input.path).is_ok_and(|now| now != input.stamp);
+        locked(&self.0).iter().any(is_new)
+    }
 }
 
 /// The surroundings of one script.
@@ -58,6 +87,21 @@ pub struct ScriptInput {
     pub path: PathBuf,
     /// When it was read.
     pub stamp: Stamp,
+}
+
+/// What a host was told.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Told {
+    warnings: Vec<(String, u32)>,
+    inputs: Vec<ScriptInput>,
+    seeds: Vec<(String, u64)>,
+}
+
+impl Told {
+    /// Whether the files are as they were read.
+    pub fn still_holds(&self) -> bool {
+        self.inputs.iter().all(|input| input.check().is_ok())
+    }
 }
 
 impl ScriptInput {
@@ -133,10 +177,54 @@ impl Host {
         match inputs.iter().find(|input| input.name == name && input.path == path) {
             Some(known) => known.check(),
             None => {
-                inputs.push(ScriptInput { name: name.to_owned(), path: path.to_owned(), stamp });
+                let input = ScriptInput { name: name.to_owned(), path: path.to_owned(), stamp };
+                self.settings.reads.add(&input);
+                inputs.push(input);
                 Ok(())
             }
         }
+    }
+
+    /// Calls `make`, and tells what it has noted here meanwhile.
+    ///
+    /// Errors: those of `make`; a file that it has read, and that has changed since it was read before.
+    pub(super) fn listened_to<T>(
+        &self,
+        make: impl FnOnce() -> mlua::Result<T>,
+    ) -> mlua::Result<(T, Told)> {
+        let before = self.take_told();
+        let made = make();
+        let told = self.take_told();
+        self.put_back(before);
+        self.tell_again(&told)?;
+        Ok((made?, told))
+    }
+
+    fn take_told(&self) -> Told {
+        Told {
+            warnings: std::mem::take(&mut locked(&self.warnings)),
+            inputs: std::mem::take(&mut locked(&self.inputs)),
+            seeds: std::mem::take(&mut locked(&self.seeds)),
+        }
+    }
+
+    fn put_back(&self, told: Told) {
+        *locked(&self.warnings) = told.warnings;
+        *locked(&self.inputs) = told.inputs;
+        *locked(&self.seeds) = told.seeds;
+    }
+
+    /// Notes what was noted when something was made that is now taken as it was.
+    ///
+    /// Errors: a file that was noted otherwise before.
+    pub(super) fn tell_again(&self, told: &Told) -> Result<()> {
+        for (text, count) in &told.warnings {
+            (0..*count).for_each(|_| self.warn(text.as_str()));
+        }
+        for (object, seed) in &told.seeds {
+            self.note_seed(object, *seed);
+        }
+        told.inputs.iter().try_for_each(|input| self.note_input(&input.name, &input.path))
     }
 
     /// Notes the script itself, before it is read, unless it comes from a pipe.
@@ -267,7 +355,21 @@ impl Host {
                 }
                 Verbosity::Quiet | Verbosity::Bar => eprintln!("warning: {text}{times}"),
             }
+            if let Some(screen) = &self.settings.screen {
+                screen.print(&format!("warning: {text}{times}\n"));
+            }
         }
+    }
+
+    /// Prints on standard output, and where else the script is watched.
+    ///
+    /// Errors: nobody takes it.
+    pub(super) fn print(&self, text: &[u8]) -> Result<()> {
+        if let Some(screen) = &self.settings.screen {
+            screen.print(&String::from_utf8_lossy(text));
+        }
+        let written = std::io::stdout().write_all(text);
+        written.map_err(|e| Error::io(Path::new("standard output"), e))
     }
 }
 

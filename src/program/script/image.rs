@@ -47,6 +47,8 @@ struct Rendered {
 struct RenderRun {
     stats: RenderStats,
     build: BuildSeconds,
+    /// On the screen, where there is one.
+    number: Option<usize>,
 }
 
 const IMAGES: &str = "a list of {image, weight}";
@@ -125,8 +127,13 @@ impl RegionOptions {
 }
 
 impl LuaImage {
-    pub(super) fn new(image: SpectralImage, stats: RenderStats, prepared: &Prepared) -> Self {
-        let run = Some(RenderRun { stats, build: prepared.seconds });
+    pub(super) fn new(
+        image: SpectralImage,
+        stats: RenderStats,
+        prepared: &Prepared,
+        number: Option<usize>,
+    ) -> Self {
+        let run = Some(RenderRun { stats, build: prepared.seconds, number });
         Self(Arc::new(Rendered { image, run }))
     }
 
@@ -182,7 +189,7 @@ impl LuaImage {
 
     /// What its render did and cost.
     fn stats(&self) -> Cell {
-        let Some(RenderRun { stats, build }) = &self.0.run else {
+        let Some(RenderRun { stats, build, .. }) = &self.0.run else {
             return Cell::Nothing;
         };
         let RenderStats { seconds, expected_seconds, .. } = *stats;
@@ -327,11 +334,11 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
         }
         Some("png") => {
             let look = arguments.record::<PngOptions>()?.look()?;
-            save_picture(&host, &rendered.image, &look, |raster| output::write_png(&target, raster))
+            save_picture(&host, &path, rendered, &look, |raster| output::write_png(&target, raster))
         }
         Some("jpg" | "jpeg") => {
             let JpegOptions { quality, png } = arguments.record()?;
-            save_picture(&host, &rendered.image, &png.look()?, |raster| {
+            save_picture(&host, &path, rendered, &png.look()?, |raster| {
                 output::write_jpeg(&target, raster, quality)
             })
         }
@@ -342,7 +349,7 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
                 return Ok(Cell::Record(Vec::new()));
             }
             let look = png.look_of_bits(16)?;
-            save_picture(&host, &rendered.image, &look, |raster| {
+            save_picture(&host, &path, rendered, &look, |raster| {
                 output::write_tiff(&target, raster)
             })
         }
@@ -389,12 +396,16 @@ pub(super) enum TiffSamples {
 /// A picture as a display shows it.
 fn save_picture(
     host: &Host,
-    image: &SpectralImage,
+    path: &str,
+    rendered: &Rendered,
     look: &Look,
     write: impl FnOnce(&Raster) -> crate::Result<()>,
 ) -> mlua::Result<Cell> {
-    let (shown, raster) = output::develop_raster(image, look)?;
+    let (shown, raster) = output::develop_raster(&rendered.image, look)?;
     write(&raster)?;
+    if let Some(screen) = &host.settings.screen {
+        screen.saved(rendered.run.as_ref().and_then(|run| run.number), path, look, &raster);
+    }
     host.note_clipped(look, &shown.picture.gamut, 1);
     Ok(DEVELOPED.record(&shown))
 }

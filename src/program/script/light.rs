@@ -50,7 +50,7 @@ pub(super) const MAX_SAMPLES: u64 = 100_000_000;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     functions(lua, module, "rayset", |functions| {
-        functions.add("load", 2, load)?;
+        functions.add_kept("load", 2, load)?;
         functions.add("new", 1, from_tables)
     })
 }

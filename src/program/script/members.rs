@@ -6,7 +6,7 @@ use std::sync::Arc;
 use mlua::{IntoLua, IntoLuaMulti, Lua, MetaMethod, MultiValue, Table, UserDataFields, Value};
 use mlua::{UserDataMethods, UserDataRegistry};
 
-use super::fault;
+use super::{fault, kept};
 use super::options::Arguments;
 use crate::program::fields::Fields;
 
@@ -107,6 +107,23 @@ impl<'l> Functions<'l> {
         let object: Arc<str> = format!("{}{name}", self.prefix).into();
         let function = fault::function(self.lua, move |lua, arguments| {
             f(lua, Arguments::new(Arc::clone(&object), arguments, most)?)
+        })?;
+        self.table.set(name, function)
+    }
+
+    /// As [`Functions::add`], for what takes long and gives the same for the same arguments and
+    /// files: results may be kept from run to run.
+    pub fn add_kept<R: IntoLuaMulti>(
+        &self,
+        name: &str,
+        most: usize,
+        f: impl Fn(&Lua, Arguments) -> mlua::Result<R> + Send + Sync + 'static,
+    ) -> mlua::Result<()> {
+        let object: Arc<str> = format!("{}{name}", self.prefix).into();
+        let function = fault::function(self.lua, move |lua, arguments| {
+            kept::recall(lua, &object, arguments, |arguments| {
+                f(lua, Arguments::new(Arc::clone(&object), arguments, most)?)?.into_lua_multi(lua)
+            })
         })?;
         self.table.set(name, function)
     }

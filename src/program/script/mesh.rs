@@ -43,10 +43,10 @@ const MAX_CELLS: u64 = 100_000;
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     functions(lua, module, "mesh", |functions| {
-        functions.add("load", 2, load)?;
+        functions.add_kept("load", 2, load)?;
         functions.add("new", 1, from_tables)?;
-        functions.add("surface", 1, surface)?;
-        functions.add("merge", 1, merge)
+        functions.add_kept("surface", 1, surface)?;
+        functions.add_kept("merge", 1, merge)
     })
 }
 

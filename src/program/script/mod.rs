@@ -9,10 +9,13 @@
 //! `MAKE_REF=1 cargo test --lib annotations` writes the annotations and `docs/options.md` anew.
 
 mod annotations;
+mod bytecode;
 mod cell;
+mod content;
 mod far_field;
 mod fault;
 mod host;
+mod kept;
 mod kinds;
 mod members;
 mod optical;
@@ -55,7 +58,8 @@ use mlua::{Lua, Table};
 
 pub use annotations::describe_options;
 pub use fault::ScriptFault;
-pub use host::{Host, Settings};
+pub use host::{Host, Reads, Settings};
+pub use kept::Kept;
 pub use repl::repl;
 pub use starter::write_starter;
 
@@ -70,6 +74,9 @@ pub fn run(script: &Path, settings: Settings) -> Result<(), ScriptFault> {
     let chunk_name = format!("@{}", script.display());
     let done = lua.load(source).set_name(chunk_name).set_mode(mlua::chunk::ChunkMode::Text).exec();
     host.print_warnings();
+    if let Some(kept) = &host.settings.kept {
+        kept.end_run(host.settings.in_use.all());
+    }
     let printed = std::io::stdout().flush();
     done.map_err(|error| fault::from_lua(error, &host))?;
     printed.map_err(|e| ScriptFault::unreadable(Path::new("standard output"), e))
@@ -82,6 +89,7 @@ fn state(script: &Path, settings: Settings) -> Result<Lua, ScriptFault> {
     sandbox::limit(&lua, &host)?;
     lua.set_app_data(host);
     let module = module(&lua)?;
+    lua.set_app_data(content::Known::of(&lua, &module)?);
     sandbox::install_require(&lua, module)?;
     Ok(lua)
 }
@@ -108,6 +116,7 @@ fn module(lua: &Lua) -> mlua::Result<Table> {
     lobe_fit::register(lua, &module)?;
     figure::register(lua, &module)?;
     file::register(lua, &module)?;
+    kept::register(lua, &module)?;
     fault::refuse_unknown_names(lua, &module, "lampyris")?;
     Ok(module)
 }

@@ -1,8 +1,5 @@
 //! A Lua state that cannot reach the system.
 
-use std::io::Write;
-use std::path::Path;
-
 use mlua::chunk::ChunkMode;
 use mlua::{HookTriggers, Lua, LuaOptions, LuaString, MultiValue, StdLib, Table, Value, VmState};
 
@@ -110,12 +107,11 @@ fn replace_output(lua: &Lua) -> mlua::Result<()> {
         end
     "#;
     let globals = lua.globals();
-    let put = fault::function(lua, |_, arguments| {
+    let put = fault::function(lua, |lua, arguments| {
         let Some(Value::String(text)) = arguments.into_iter().next() else {
             return Ok(());
         };
-        let written = std::io::stdout().write_all(&text.as_bytes());
-        written.map_err(|e| Error::io(Path::new("standard output"), e).into())
+        Ok(host::of(lua)?.print(&text.as_bytes())?)
     })?;
     let (table, string): (Table, Table) = (globals.get("table")?, globals.get("string")?);
     let raw = (

@@ -24,6 +24,7 @@ use crate::error::Error;
 use crate::material::Material;
 use crate::program::fields::Cell;
 use crate::program::results::LIGHT_CHECK;
+use crate::program::screen;
 use crate::program::stage::Stage;
 use crate::render;
 use crate::render::Asked;
@@ -120,7 +121,7 @@ fn new(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
     scene.check()?;
     let host = host::of(lua)?;
     scene.warnings().into_iter().for_each(|warning| host.warn(warning));
-    Ok(LuaScene(Arc::new(Stage::new(scene))))
+    Ok(LuaScene(Arc::new(Stage::new(scene, host.settings.in_use.clone()))))
 }
 
 #[derive(Default)]
@@ -178,12 +179,14 @@ impl LuaScene {
         let prepared = self.prepared(lua)?;
         warn_of_view(&host, &prepared, &view.0);
         let progress = host.progress(view.0.pixels());
-        let (mut image, stats) = asked.render(&prepared, &view.0, &progress)?;
+        let screen = host.settings.screen.as_deref();
+        let (mut image, stats, number) =
+            screen::render(screen, &asked, &prepared, &view.0, &progress)?;
         warn_of_target(&host, &stats);
         let reason = render::why_black(&image, &prepared, &view.0, asked.limits())?;
         reason.into_iter().for_each(|reason| host.warn(reason));
         image.metadata.insert("script".to_owned(), host.script_name());
-        Ok(LuaImage::new(image, stats, &prepared))
+        Ok(LuaImage::new(image, stats, &prepared, number))
     }
 }
 

@@ -84,6 +84,7 @@ fn sweep(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Cell> {
         source: &|| source(&host, &mut digests.borrow_mut()),
         progress: &host.progress(views.pixels_where(ours)),
         warn: &|warning| host.warn(warning),
+        screen: host.settings.screen.as_deref(),
     };
     let output = given.output;
     let path = host.output_folder(&output)?;

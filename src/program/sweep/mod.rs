@@ -26,7 +26,7 @@ mod shard;
 mod timings;
 mod verify;
 
-pub use digest::Digest;
+pub use digest::{Digest, Hasher};
 pub use fingerprint::of_scene;
 pub use folder::MANIFEST;
 pub use manifest::{Entry, FileDigest, Manifest, Source};

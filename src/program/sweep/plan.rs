@@ -20,6 +20,7 @@ use crate::image::{Region, SpectralImage};
 use crate::output;
 use crate::program::progress::Progress;
 use crate::program::results::{ASKED, STATS, VIEW};
+use crate::program::screen::{self, Screen};
 use crate::program::stage::Stage;
 use crate::render::{Asked, RenderStats, Watch, why_black};
 use crate::scene::plausibility;
@@ -55,6 +56,8 @@ pub struct Plan<'a> {
     pub progress: &'a Progress,
     /// Takes what silently changes a picture.
     pub warn: &'a dyn Fn(String),
+    /// Where views are shown while they come.
+    pub screen: Option<&'a Screen>,
 }
 
 /// What a sweep did.
@@ -167,7 +170,8 @@ impl Plan<'_> {
     fn render(&self, shot: &Shot) -> Result<(SpectralImage, RenderStats)> {
         let prepared = shot.stage.prepared(self.warn)?;
         plausibility::of_view(&prepared, &shot.view).into_iter().for_each(self.warn);
-        let (mut image, stats) = self.asked.render(&prepared, &shot.view, self.progress)?;
+        let (mut image, stats, _) =
+            screen::render(self.screen, &self.asked, &prepared, &shot.view, self.progress)?;
         if let Some(report) = stats.target.filter(|report| !report.is_reached()) {
             (self.warn)(report.to_string());
         }
