@@ -6,8 +6,8 @@ use std::sync::Arc;
 use mlua::{IntoLua, IntoLuaMulti, Lua, MetaMethod, MultiValue, Table, UserDataFields, Value};
 use mlua::{UserDataMethods, UserDataRegistry};
 
-use super::{fault, kept};
 use super::options::Arguments;
+use super::{fault, kept};
 use crate::program::fields::Fields;
 
 /// The fields and methods of the handle `T`, as they are registered.
