@@ -167,6 +167,7 @@ fn main() -> ExitCode {
         Command::Watch { script, options, port, arguments } => options.start(|settings| {
             let settings = Settings { arguments, ..settings };
             end_when_stuck(settings.clone());
+            confine_reading(&script, &settings)?;
             let say = |line: &str| {
                 say(line); // the page goes on without a terminal
             };
