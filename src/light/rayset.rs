@@ -45,6 +45,9 @@ pub struct RaySet {
     pub flux_lm: f64,
     /// m of the samples' intensity Φ (m + 1)/(2π) cosᵐ about their directions: 1 is Lambert's, eq. 9.
     pub exponent: f64,
+    /// Nearer surfaces see a wrong light, mm in the set's own coordinates; 0 unless the rays are those
+    /// of a far field.
+    pub good_beyond_mm: f64,
 }
 
 /// Allowed exponents of samples: up to a lobe of half a degree.
@@ -53,7 +56,13 @@ pub const EXPONENT_RANGE: [f64; 2] = [1.0, 3e4];
 impl RaySet {
     /// A set where it was made, in its own coordinates.
     pub fn new(samples: Arc<[RaySample]>, flux_lm: f64) -> Self {
-        Self { samples, world_from_local: DAffine3::IDENTITY, flux_lm, exponent: 1.0 }
+        Self {
+            samples,
+            world_from_local: DAffine3::IDENTITY,
+            flux_lm,
+            exponent: 1.0,
+            good_beyond_mm: 0.0,
+        }
     }
 
     /// The same rays, each shining in a lobe of exponent m.
@@ -65,6 +74,11 @@ impl RaySet {
             return Ok(Self { exponent, ..self });
         }
         Err(Error::out_of_range("rayset", "directions", exponent, "1 to 30000"))
+    }
+
+    /// Factor of lengths from the set's own coordinates to the world's.
+    pub fn scale(&self) -> f64 {
+        self.world_from_local.matrix3.determinant().abs().cbrt()
     }
 
     /// Where a sample lies in the world, mm.

@@ -81,7 +81,7 @@ fn photometric(path: &Path) -> Result<Vec<String>> {
     lines.push(format!(
         "luminous opening: {} mm, good beyond {} mm",
         file.opening_mm,
-        10.0 * file.opening_mm
+        file.good_beyond_mm()
     ));
     lines.extend(file.description.iter().map(|(name, text)| format!("{name}: {text}")));
     lines.extend(file.warnings.iter().map(|warning| format!("warning: {warning}")));

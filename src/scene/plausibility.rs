@@ -20,7 +20,8 @@ pub fn of_scene(prepared: &Prepared) -> Vec<String> {
     // What bounces lies on surfaces of itself.
     let all = prepared.scene.lights.len();
     let lights = 0..prepared.interreflection.map_or(all, |report| report.first_light);
-    warnings.extend(lights.filter_map(|at| light_warning(prepared, at)));
+    warnings.extend(lights.clone().filter_map(|at| light_warning(prepared, at)));
+    warnings.extend(lights.filter_map(|at| near_field_warning(prepared, at)));
     warnings
 }
 
@@ -125,6 +126,36 @@ fn light_warning(prepared: &Prepared, at: usize) -> Option<String> {
     is_enclosed(prepared, center, |object| prepared.blocks(at)[object]).then(|| {
         format!(
             "light {}: its center {center:.3} mm is inside an opaque mesh, behind back sides only",
+            at + 1
+        )
+    })
+}
+
+/// A surface that a far field lights from too near.
+fn near_field_warning(prepared: &Prepared, at: usize) -> Option<String> {
+    const RAYS: usize = 1000;
+    let rays = &prepared.scene.lights[at].rays;
+    let good_beyond_mm = rays.good_beyond_mm * rays.scale();
+    if good_beyond_mm == 0.0 {
+        return None;
+    }
+    let hits = rays.samples.iter().step_by(rays.samples.len().div_ceil(RAYS).max(1));
+    let hits = hits.filter_map(|sample| {
+        let (origin, direction) = (rays.world_origin(sample), rays.world_direction(sample));
+        prepared.bvh.closest_hit(&Ray { origin, direction }, None)
+    });
+    // Rays meet what is large, corners tell of what is small.
+    let center = rays.world_from_local.translation;
+    let corners = prepared.scene.objects.iter().flat_map(|object| &object.mesh.positions);
+    let nearest_mm = hits
+        .map(|hit| hit.distance_mm)
+        .chain(corners.map(|corner| corner.distance(center)))
+        .fold(f64::INFINITY, f64::min);
+    (nearest_mm < good_beyond_mm).then(|| {
+        format!(
+            "light {}: a surface is {nearest_mm:.0} mm away, but a photometric file tells the light \
+             beyond {good_beyond_mm:.0} mm, ten times the luminous opening: nearer, rays of a ray file \
+             are needed",
             at + 1
         )
     })

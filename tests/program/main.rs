@@ -3,6 +3,7 @@
 mod attacks;
 mod bench;
 mod diff;
+mod inputs;
 mod language;
 mod manual;
 mod mistakes;

@@ -75,7 +75,7 @@ impl LightTree {
             exponent: set.exponent,
             world_from_local: set.world_from_local,
             local_from_world: set.world_from_local.inverse(),
-            scale: set.world_from_local.matrix3.determinant().abs().cbrt(),
+            scale: set.scale(),
             lm_per_flux: set.lm_per_flux(),
         }
     }

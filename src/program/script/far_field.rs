@@ -43,7 +43,8 @@ pub(super) fn load(host: &Host, path: &Path, given: RaysetLoadOptions) -> mlua::
             rays.with_exponent(exponent)?
         }
     };
-    let light = LuaLight::new(RaySet { flux_lm, ..rays }, spectrum);
+    let light =
+        LuaLight::new(RaySet { flux_lm, good_beyond_mm: file.good_beyond_mm(), ..rays }, spectrum);
     match given.transform {
         None => Ok(light),
         Some(transform) => placed(light, &transform),

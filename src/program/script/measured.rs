@@ -213,7 +213,7 @@ pub(super) fn plot_luminance(light: &LuaLight) -> mlua::Result<LuaFigure> {
         let problem = "has no table of luminance: load it with emitter = \"fit\", or a surface";
         return Err(Error::inconsistent("rayset", problem).into());
     };
-    let scale = light.rays.world_from_local.matrix3.determinant().abs().cbrt();
+    let scale = light.rays.scale();
     let unit = 1e6 * light.rays.flux_lm / (scale * scale);
     let options = FalseColor { scale: Scale::Linear, ..FalseColor::default() };
     let panel = |title: &str, luminances: Vec<f64>| {

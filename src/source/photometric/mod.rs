@@ -121,7 +121,15 @@ pub struct FarField {
     pub seed: u64,
 }
 
+/// A source seen from ten times its size looks like a point within 1 % or so.
+const TIMES_THE_OPENING: f64 = 10.0;
+
 impl PhotometricFile {
+    /// Nearer surfaces see a wrong light, mm; 0 for a point.
+    pub fn good_beyond_mm(&self) -> f64 {
+        TIMES_THE_OPENING * self.opening_mm
+    }
+
     /// Rays from a point or a disc with the file's distribution of directions: +Z is its axis (C
     /// and γ: γ = 0°; types A and B: 0°, 0°), +Y its 90° plane or its upward angle.
     ///
