@@ -1,5 +1,8 @@
 //! Eq. 9 by the light tree: against the plain f64 sum, and its error against its own estimate.
 
+#[path = "common/random.rs"]
+mod random;
+
 use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine3, DQuat, DVec3};
@@ -7,21 +10,12 @@ use lampyris::color::Photometry;
 use lampyris::light::sum::reference_sum;
 use lampyris::light::{HitQuery, LightSum, LightTree, RaySample, RaySet};
 use lampyris::material::{LobeShape, Lobes, SpecularLobe};
-
-/// splitmix64: 0 … 1.
-struct Random(u64);
+use random::Random;
 
 impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
+    /// Evenly over the sphere.
     fn direction(&mut self) -> DVec3 {
-        let (z, angle) = (2.0 * self.next() - 1.0, TAU * self.next());
+        let (z, angle) = (2.0 * self.unit() - 1.0, TAU * self.unit());
         let across = (1.0 - z * z).sqrt();
         DVec3::new(across * angle.cos(), across * angle.sin(), z)
     }
@@ -45,7 +39,7 @@ fn set_of(count: usize, mut sample: impl FnMut(usize) -> (DVec3, DVec3, f64)) ->
 fn coil(count: usize) -> RaySet {
     let mut random = Random(1);
     set_of(count, |_| {
-        let (t, around) = (random.next(), TAU * random.next());
+        let (t, around) = (random.unit(), TAU * random.unit());
         let (sin, cos) = (TAU * 22.0 * t).sin_cos();
         let outward = DVec3::new(0.0, cos, sin);
         let tangent = DVec3::new(5.5 / (TAU * 22.0), -0.41 * sin, 0.41 * cos).normalize();
@@ -58,8 +52,8 @@ fn coil(count: usize) -> RaySet {
 fn ball(count: usize, radius: f64) -> RaySet {
     let mut random = Random(2);
     set_of(count, |_| {
-        let place = random.direction() * radius * random.next().cbrt();
-        (place, random.direction(), random.next())
+        let place = random.direction() * radius * random.unit().cbrt();
+        (place, random.direction(), random.unit())
     })
 }
 
@@ -67,7 +61,7 @@ fn two_clouds(count: usize) -> RaySet {
     let mut random = Random(3);
     set_of(count, |i| {
         let center = if i % 2 == 0 { DVec3::X * -400.0 } else { DVec3::X * 400.0 };
-        (center + random.direction() * random.next(), random.direction(), 1.0)
+        (center + random.direction() * random.unit(), random.direction(), 1.0)
     })
 }
 
@@ -79,7 +73,7 @@ fn one_point(count: usize) -> RaySet {
 /// A flat emitter: kinks in every table.
 fn plate(count: usize) -> RaySet {
     let mut random = Random(5);
-    set_of(count, |_| (DVec3::new(random.next(), random.next(), 0.0) * 3.0, DVec3::Z, 1.0))
+    set_of(count, |_| (DVec3::new(random.unit(), random.unit(), 0.0) * 3.0, DVec3::Z, 1.0))
 }
 
 /// A measured source that was traced to the bulb's surface, with a narrow beam.
@@ -87,7 +81,7 @@ fn beam(count: usize) -> RaySet {
     let mut random = Random(6);
     set_of(count, |_| {
         let place = random.direction() * 12.0;
-        (place, (DVec3::Z + 0.2 * random.direction()).normalize(), 10f64.powf(-6.0 * random.next()))
+        (place, (DVec3::Z + 0.2 * random.direction()).normalize(), 10f64.powf(-6.0 * random.unit()))
     })
 }
 
@@ -141,8 +135,8 @@ fn exact_sums_are_those_of_plain_f64_at_every_exponent() {
         for n_s in [1.0, 1.5, 20.0, 64.0, 100.0, 1500.0, 1e5, 1e6] {
             let lobes = lobes(0.08, n_d, &[(0.92, n_s), (0.1, 30.0)]);
             for photometry in BOTH {
-                let point = random.direction() * (0.5 + 100.0 * random.next());
-                let off = 2.0 * random.next() / f64::sqrt(n_s);
+                let point = random.direction() * (0.5 + 100.0 * random.unit());
+                let off = 2.0 * random.unit() / f64::sqrt(n_s);
                 let hit = hit_toward(point, DVec3::X * 2.0, off, &mut random);
                 let query = query(hit, &lobes, photometry);
                 let (sum, exact) = (tree.sum(&query, 0.0, None), reference_sum(&set, &query, None));
@@ -166,8 +160,8 @@ fn half_lobes_sum_like_plain_f64_at_every_exponent_and_elevation() {
         for n_s in [1.0, 1.5, 16.0, 20.0, 1500.0, 1e5, 1e6] {
             let lobes = Lobes { shape: LobeShape::Half, ..lobes(0.08, 2.0, &[(0.9, n_s)]) };
             for (i, elevation) in [1.5, 0.8, 0.3, 0.1, 0.02, 1e-3].into_iter().enumerate() {
-                let point = random.direction() * (0.5 + 100.0 * random.next());
-                let off = 2.0 * random.next() / f64::sqrt(n_s);
+                let point = random.direction() * (0.5 + 100.0 * random.unit());
+                let off = 2.0 * random.unit() / f64::sqrt(n_s);
                 let hit = low_hit(point, DVec3::X * 2.0, (off, elevation), &mut random);
                 let query = query(hit, &lobes, BOTH[i % 2]);
                 let (sum, exact) = (tree.sum(&query, 0.0, None), reference_sum(&set, &query, None));
@@ -210,8 +204,8 @@ fn narrow_samples_sum_like_plain_f64_up_to_the_largest_exponent() {
         let tree = LightTree::build(&set);
         for (i, n_s) in [20.0, 1500.0, 1e6].into_iter().cycle().take(30).enumerate() {
             let lobes = lobes(0.3, 1.0, &[(0.7, n_s)]);
-            let point = random.direction() * (0.5 + 100.0 * random.next());
-            let off = 2.0 * random.next() / f64::sqrt(n_s);
+            let point = random.direction() * (0.5 + 100.0 * random.unit());
+            let off = 2.0 * random.unit() / f64::sqrt(n_s);
             let hit = hit_toward(point, DVec3::X * 2.0, off, &mut random);
             let query = query(hit, &lobes, BOTH[i % 2]);
             let (sum, exact) = (tree.sum(&query, 0.0, None), reference_sum(&set, &query, None));
@@ -549,9 +543,9 @@ fn shadows_of_an_edge_are_within_the_error() {
     let mut random = Random(13);
     for i in 0..40 {
         // Hides everything beyond an x that cuts the coil.
-        let edge = 4.0 * random.next() - 2.0;
+        let edge = 4.0 * random.unit() - 2.0;
         let free = move |light: DVec3| light.x < edge;
-        let point = DVec3::new(10.0 * random.next(), 5.0, 60.0);
+        let point = DVec3::new(10.0 * random.unit(), 5.0, 60.0);
         let hit = hit_toward(point, DVec3::ZERO, 0.03, &mut random);
         let query = query(hit, &lobes, BOTH[i % 2]);
         let exact = reference_sum(&set, &query, Some(&free));

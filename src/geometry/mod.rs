@@ -8,6 +8,9 @@ pub mod mesh;
 pub mod normals;
 pub mod obj;
 pub mod polygon;
+#[cfg(test)]
+#[path = "../../tests/common/random.rs"]
+mod random;
 pub mod section;
 mod weld;
 

@@ -161,22 +161,7 @@ fn split_edge([from, to]: [usize; 2], left_out: &[usize], triangles: &mut Vec<[u
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Deterministic numbers from 0 to 1 (SplitMix64).
-    struct Random(u64);
-
-    impl Random {
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-        }
-
-        fn below(&mut self, count: usize) -> usize {
-            (self.next() * count as f64) as usize
-        }
-    }
+    use crate::geometry::random::Random;
 
     fn cut(corners: &[DVec3]) -> Vec<[usize; 3]> {
         let mut triangles = Vec::new();
@@ -209,8 +194,8 @@ mod tests {
     fn star(least: usize, random: &mut Random) -> Vec<[f64; 2]> {
         let count = least + random.below(41 - least);
         let corner = |k: usize, random: &mut Random| {
-            let angle = (k as f64 + 0.9 * random.next()) / count as f64 * std::f64::consts::TAU;
-            let radius = 1.0 + 9.0 * random.next();
+            let angle = (k as f64 + 0.9 * random.unit()) / count as f64 * std::f64::consts::TAU;
+            let radius = 1.0 + 9.0 * random.unit();
             [radius * angle.cos(), radius * angle.sin()]
         };
         (0..count).map(|k| corner(k, random)).collect()
@@ -221,11 +206,11 @@ mod tests {
         let teeth = 2 + random.below(12);
         let mut points = vec![[0.0, 0.0], [teeth as f64, 0.0]];
         for k in (0..teeth).rev() {
-            let (right, left) = (k as f64 + 0.9 - 0.3 * random.next(), k as f64 + 0.1);
-            let (top, floor) = (1.0 + 5.0 * random.next(), 0.2 + 0.5 * random.next());
+            let (right, left) = (k as f64 + 0.9 - 0.3 * random.unit(), k as f64 + 0.1);
+            let (top, floor) = (1.0 + 5.0 * random.unit(), 0.2 + 0.5 * random.unit());
             points.extend([[right, top], [left, top], [left - 0.05, floor]]);
         }
-        let shear = 4.0 * random.next() - 2.0;
+        let shear = 4.0 * random.unit() - 2.0;
         points.into_iter().map(|[x, y]| [x + shear * y, y]).collect()
     }
 
@@ -234,7 +219,7 @@ mod tests {
         let count = 3 + random.below(6);
         let hole = (0..count).map(|k| {
             let angle = -(k as f64) / count as f64 * std::f64::consts::TAU;
-            let radius = 0.1 + 0.4 * random.next();
+            let radius = 0.1 + 0.4 * random.unit();
             [radius * angle.cos(), radius * angle.sin()]
         });
         let hole: Vec<[f64; 2]> = hole.collect();
@@ -255,10 +240,10 @@ mod tests {
 
     /// Turned, moved, and of a size between a micrometer and ten meters.
     fn placed(points: &[[f64; 2]], random: &mut Random) -> Vec<DVec3> {
-        let axis = DVec3::new(random.next() - 0.5, random.next() - 0.5, random.next() - 0.5);
-        let turn = glam::DQuat::from_axis_angle(axis.normalize_or(DVec3::X), 7.0 * random.next());
-        let size = 10f64.powf(7.0 * random.next() - 4.0);
-        let shift = DVec3::new(random.next(), random.next(), random.next()) * size * 10.0;
+        let axis = DVec3::new(random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5);
+        let turn = glam::DQuat::from_axis_angle(axis.normalize_or(DVec3::X), 7.0 * random.unit());
+        let size = 10f64.powf(7.0 * random.unit() - 4.0);
+        let shift = DVec3::new(random.unit(), random.unit(), random.unit()) * size * 10.0;
         points.iter().map(|&[x, y]| turn * DVec3::new(x, y, 0.0) * size + shift).collect()
     }
 

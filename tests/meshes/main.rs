@@ -1,6 +1,9 @@
 //! Mesh files that are broken in every way, and dense tables: no panic, and no more memory than the
 //! file justifies.
 
+#[path = "../common/random.rs"]
+mod random;
+
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::Path;
 use std::sync::Mutex;
@@ -8,6 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use lampyris::columns::{Table, TableChoice};
 use lampyris::geometry::import::{self, MeshFile, MeshReading, Selection};
+use random::Random;
 
 /// The system's allocator, which notes how much is held, and the most that was.
 struct Watched;
@@ -34,22 +38,6 @@ unsafe impl GlobalAlloc for Watched {
 
 #[global_allocator]
 static ALLOCATOR: Watched = Watched;
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
-    }
-}
 
 const OBJ: &str = "# lens\nmtllib a.mtl\no lens\ng front outer\nusemtl clear red\ns 1\n\
     v 0 0 0\nv 10 0 0 0.5 0.5 0.5\nv 10 8 0\nv 4 3 0.25\nv 0 8 0\nvt 0 0\nvn 0 0 1\n\
@@ -157,7 +145,7 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
         let end = (at + random.below(64)).min(bytes.len());
         match random.below(6) {
             0 if at < bytes.len() => bytes[at] ^= 1 << random.below(8),
-            1 if at < bytes.len() => bytes[at] = random.next() as u8,
+            1 if at < bytes.len() => bytes[at] = random.bits() as u8,
             2 => bytes.truncate(at),
             3 => drop(bytes.drain(at..end)),
             4 => {

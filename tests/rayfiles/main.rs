@@ -2,6 +2,8 @@
 
 mod formats;
 mod mutations;
+#[path = "../common/random.rs"]
+mod random;
 mod real_inputs;
 mod refusals;
 mod round_trip;

@@ -2,6 +2,7 @@ mod exact;
 mod leaving;
 mod watertight;
 
+use crate::geometry::random::Random;
 use std::sync::Arc;
 
 use super::super::mesh::Shading;
@@ -43,27 +44,7 @@ fn brute_force(bvh: &Bvh, ray: &Ray, leaving: Option<TriangleId>) -> Option<Hit>
     hits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, hit)| hit)
 }
 
-/// SplitMix64: enough for tests, the same everywhere.
-struct Random(u64);
-
 impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// In 0 … 1.
-    fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        (self.bits() % end as u64) as usize
-    }
-
     /// In a cube of half-width 1.
     fn in_cube(&mut self) -> DVec3 {
         2.0 * DVec3::new(self.unit(), self.unit(), self.unit()) - DVec3::ONE
