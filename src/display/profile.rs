@@ -61,33 +61,43 @@ pub fn display_from_profile(
     }
     let mut notes = Vec::new();
     let white_y = white_cd_m2.unwrap_or_else(|| luminance(&profile, &mut notes));
-    let native = native_from_d50(&profile, &mut notes);
-    let colorants = [profile.red_colorant, profile.green_colorant, profile.blue_colorant];
-    let columns = colorants.map(|colorant| native * vector(colorant));
-    let sum = columns[0] + columns[1] + columns[2];
-    if !(sum.y > 0.0 && sum.is_finite()) {
-        return Err(bad("the profile has no colorants of a matrix".to_owned()));
-    }
-    let scaled =
-        DMat3::from_cols_array_2d(&columns.map(|column| (column * (white_y / sum.y)).to_array()));
-    let trcs = [&profile.red_trc, &profile.green_trc, &profile.blue_trc];
-    let mut curves = Vec::new();
-    for (trc, channel) in trcs.into_iter().zip(CHANNELS) {
-        let trc =
-            trc.as_ref().ok_or_else(|| bad(format!("the profile has no curve of {channel}")))?;
-        curves.push(measured(channel, trc).map_err(|error| bad(error.to_string()))?);
-    }
-    let measured =
-        <[MeasuredCurve; 3]>::try_from(curves).map_err(|_| bad("no curves".to_owned()))?;
+    let matrix = matrix(&profile, white_y, &mut notes);
+    let matrix =
+        matrix.ok_or_else(|| bad("the profile has no colorants of a matrix".to_owned()))?;
+    let measured = curves(&profile).map_err(bad)?;
     let display = Display::new(DisplayParameters {
         name: name(&profile, path),
         curves: [Curve::gog(1.0, 0.0, 2.2); 3],
-        matrix: scaled.transpose().to_cols_array_2d(),
+        matrix: matrix.transpose().to_cols_array_2d(),
         black: Xyz::default(),
         bits: 8,
     });
     let display = display.map_err(|error| bad(error.to_string()))?;
     Ok(ProfiledDisplay { display: display.with_measured_curves(measured), notes })
+}
+
+/// From channels to colors, of which full white has `white_y`; `None` without colorants.
+fn matrix(profile: &ColorProfile, white_y: f64, notes: &mut Vec<String>) -> Option<DMat3> {
+    let native = native_from_d50(profile, notes);
+    let colorants = [profile.red_colorant, profile.green_colorant, profile.blue_colorant];
+    let columns = colorants.map(|colorant| native * vector(colorant));
+    let sum = columns[0] + columns[1] + columns[2];
+    let scaled = columns.map(|column| (column * (white_y / sum.y)).to_array());
+    (sum.y > 0.0 && sum.is_finite()).then(|| DMat3::from_cols_array_2d(&scaled))
+}
+
+/// Errors: what is wrong with a channel's curve.
+fn curves(profile: &ColorProfile) -> std::result::Result<[MeasuredCurve; 3], String> {
+    let curve = |trc: &Option<ToneReprCurve>, channel: &str| {
+        let trc = trc.as_ref().ok_or_else(|| format!("the profile has no curve of {channel}"))?;
+        measured(channel, trc).map_err(|error| error.to_string())
+    };
+    let [red, green, blue] = CHANNELS;
+    Ok([
+        curve(&profile.red_trc, red)?,
+        curve(&profile.green_trc, green)?,
+        curve(&profile.blue_trc, blue)?,
+    ])
 }
 
 fn vector(color: Xyzd) -> DVec3 {
@@ -146,56 +156,41 @@ fn measured(channel: &str, trc: &ToneReprCurve) -> Result<MeasuredCurve> {
     MeasuredCurve::new(channel, &levels)
 }
 
-/// Source: ICC.1:2010, 10.5 and 10.18.
+/// The light of a signal x, both 0 to 1.
 fn light(trc: &ToneReprCurve, x: f64) -> f64 {
     match trc {
-        ToneReprCurve::Lut(entries) => match entries.as_slice() {
-            [] => x,
-            [gamma] => x.powf(f64::from(*gamma) / 256.0),
-            entries => {
-                let place = x * (entries.len() - 1) as f64;
-                let below = (place as usize).min(entries.len() - 2);
-                let t = place - below as f64;
-                (f64::from(entries[below]) * (1.0 - t) + f64::from(entries[below + 1]) * t)
-                    / 65535.0
-            }
-        },
+        ToneReprCurve::Lut(entries) => light_by_table(entries, x),
         ToneReprCurve::Parametric(p) => {
-            let p: Vec<f64> = p.iter().map(|&p| f64::from(p)).collect();
-            let power = |g: f64, a: f64, b: f64| (a * x + b).max(0.0).powf(g);
-            match p[..] {
-                [g] => x.powf(g),
-                [g, a, b] => {
-                    if a * x + b >= 0.0 {
-                        power(g, a, b)
-                    } else {
-                        0.0
-                    }
-                }
-                [g, a, b, c] => {
-                    if a * x + b >= 0.0 {
-                        power(g, a, b) + c
-                    } else {
-                        c
-                    }
-                }
-                [g, a, b, c, d] => {
-                    if x >= d {
-                        power(g, a, b)
-                    } else {
-                        c * x
-                    }
-                }
-                [g, a, b, c, d, e, f, ..] => {
-                    if x >= d {
-                        power(g, a, b) + e
-                    } else {
-                        c * x + f
-                    }
-                }
-                _ => f64::NAN,
-            }
+            light_by_parameters(&p.iter().map(|&p| f64::from(p)).collect::<Vec<_>>(), x)
         }
+    }
+}
+
+/// Source: ICC.1:2010, 10.5.
+fn light_by_table(entries: &[u16], x: f64) -> f64 {
+    match entries {
+        [] => x,
+        [gamma] => x.powf(f64::from(*gamma) / 256.0),
+        entries => {
+            let place = x * (entries.len() - 1) as f64;
+            let below = (place as usize).min(entries.len() - 2);
+            let t = place - below as f64;
+            (f64::from(entries[below]) * (1.0 - t) + f64::from(entries[below + 1]) * t) / 65535.0
+        }
+    }
+}
+
+/// Source: ICC.1:2010, 10.18.
+fn light_by_parameters(parameters: &[f64], x: f64) -> f64 {
+    let power = |g: f64, a: f64, b: f64| (a * x + b).max(0.0).powf(g);
+    let either = |is_first: bool, first: f64, second: f64| if is_first { first } else { second };
+    match *parameters {
+        [g] => x.powf(g),
+        [g, a, b] => either(a * x + b >= 0.0, power(g, a, b), 0.0),
+        [g, a, b, c] => either(a * x + b >= 0.0, power(g, a, b) + c, c),
+        [g, a, b, c, d] => either(x >= d, power(g, a, b), c * x),
+        [g, a, b, c, d, e, f, ..] => either(x >= d, power(g, a, b) + e, c * x + f),
+        _ => f64::NAN,
     }
 }
 

@@ -20,11 +20,7 @@ impl IntensityGrid {
     /// Errors: a grid that does not reach around the axis, so that no γ but 0° is in all planes.
     pub fn to_eulumdat(&self, name: &str) -> Result<String> {
         let name = one_line(name);
-        let gammas: Vec<f64> = (0..)
-            .map(|k| f64::from(k) * GAMMA_STEP_DEG)
-            .take_while(|&gamma| (0..PLANES).all(|c| self.at(direction(c, gamma)).is_some()))
-            .take_while(|&gamma| gamma <= 180.0)
-            .collect();
+        let gammas = self.gammas_deg();
         if gammas.len() < 2 {
             let problem =
                 "EULUMDAT goes around the axis: h and v have to reach from -1° to 1° at least";
@@ -58,6 +54,15 @@ impl IntensityGrid {
             }
         }
         Ok(lines.join("\r\n") + "\r\n")
+    }
+
+    /// The angles to +Z that the grid holds in all planes, from 0.
+    fn gammas_deg(&self) -> Vec<f64> {
+        (0..)
+            .map(|k| f64::from(k) * GAMMA_STEP_DEG)
+            .take_while(|&gamma| (0..PLANES).all(|c| self.at(direction(c, gamma)).is_some()))
+            .take_while(|&gamma| gamma <= 180.0)
+            .collect()
     }
 }
 

@@ -169,6 +169,18 @@ fn channels(display: &LuaDisplay) -> Cell {
     Cell::Record(CHANNELS.into_iter().enumerate().map(channel).collect())
 }
 
+/// Writes an ICC profile.
+fn save(lua: &Lua, display: &Display, path: &str) -> mlua::Result<()> {
+    let target = host::of(lua)?.output(path)?;
+    if target.extension().is_none_or(|extension| extension != "icc") {
+        let found = format!("\"{path}\"");
+        let allowed = "names ending in .icc";
+        return Err(Error::out_of_range("display:save", "path", found, allowed).into());
+    }
+    let profile = display.icc_profile()?;
+    Ok(output::write_atomically(&target, |file| file.write_all(&profile))?)
+}
+
 impl UserData for LuaDisplay {
     fn register(registry: &mut UserDataRegistry<Self>) {
         let mut members = Members::new(registry, "display");
@@ -198,17 +210,7 @@ impl UserData for LuaDisplay {
             Ok((r, g, b))
         });
         members.method("verify", 1, |lua, this, a| display_fit::verify(lua, &this.display, a));
-        members.method("save", 1, |lua, this, mut a| {
-            let path = a.text("path")?;
-            let target = host::of(lua)?.output(&path)?;
-            if target.extension().is_none_or(|extension| extension != "icc") {
-                let found = format!("\"{path}\"");
-                let allowed = "names ending in .icc";
-                return Err(Error::out_of_range("display:save", "path", found, allowed).into());
-            }
-            let profile = this.display.icc_profile()?;
-            Ok(output::write_atomically(&target, |file| file.write_all(&profile))?)
-        });
+        members.method("save", 1, |lua, this, mut a| save(lua, &this.display, &a.text("path")?));
         members.text(|this| {
             let white = this.display.white();
             let [x, y] = white.chromaticity().unwrap_or_default();

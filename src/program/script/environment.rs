@@ -13,8 +13,8 @@ use super::spectrum::LuaSpectrum;
 use crate::color::Xyz;
 use crate::color::upsampling::{ColorGamut, round_trip};
 use crate::environment::{
-    CeilingPanel, Daylight, Dome, Environment, Picture, Room, SkyKind, Sun, SunPlace, per_lumen,
-    toward,
+    CeilingPanel, Daylight, Dome, Environment, Picture, Room, Sky, SkyKind, Sun, SunPlace,
+    per_lumen, toward,
 };
 use crate::error::Error;
 use crate::geometry::DVec3;
@@ -346,6 +346,20 @@ impl LuaEnvironment {
     }
 }
 
+/// What surrounds the scene, in words.
+fn kind_of(dome: &Dome) -> String {
+    match dome {
+        Dome::Picture(picture) => {
+            format!("picture, {} × {} pixels", picture.width(), picture.height())
+        }
+        Dome::Sky(Sky { kind: SkyKind::Overcast, .. }) => "overcast sky".to_owned(),
+        Dome::Sky(Sky { kind: SkyKind::Standard(sky), .. }) => {
+            format!("sky {} of CIE S 011", sky.number)
+        }
+        Dome::Room(room) => format!("room, {} panels", room.panels.len()),
+    }
+}
+
 impl UserData for LuaEnvironment {
     fn register(registry: &mut UserDataRegistry<Self>) {
         let mut members = Members::new(registry, "environment");
@@ -369,16 +383,7 @@ impl UserData for LuaEnvironment {
             Ok(LuaSpectrum(Arc::new(Spectrum::from_pairs(OBJECT, rows)?)))
         });
         members.text(|this| {
-            let kind = match this.0.dome() {
-                Dome::Picture(picture) => {
-                    format!("picture, {} × {} pixels", picture.width(), picture.height())
-                }
-                Dome::Sky(sky) => match sky.kind {
-                    SkyKind::Overcast => "overcast sky".to_owned(),
-                    SkyKind::Standard(sky) => format!("sky {} of CIE S 011", sky.number),
-                },
-                Dome::Room(room) => format!("room, {} panels", room.panels.len()),
-            };
+            let kind = kind_of(this.0.dome());
             let sun = this.0.sun().map_or_else(String::new, |sun| {
                 let elevation = sun.direction.y.asin().to_degrees();
                 format!(", sun of {:.0} lx at {elevation:.1}°", sun.illuminance_lx)

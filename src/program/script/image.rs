@@ -1,6 +1,7 @@
 //! The image that a render returns.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::sync::Arc;
 
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataRegistry, Value};
@@ -199,18 +200,45 @@ impl LuaImage {
     }
 }
 
+impl LuaImage {
+    /// The layers as images of their own, by name.
+    fn layers(&self) -> BTreeMap<String, LuaImage> {
+        let image = &self.0.image;
+        let layers = image.layers.iter();
+        layers.map(|layer| (layer.name.clone(), LuaImage::of(image.layer(layer)))).collect()
+    }
+
+    /// cd; warns of a lamp that the picture cuts off.
+    fn intensity(&self, host: &Host) -> mlua::Result<f64> {
+        let view = self.view("image:intensity")?;
+        warn_of_cut_off(host, &self.0.image, &view);
+        Ok(intensity::intensity(&self.0.image, &view)?.y)
+    }
+
+    /// Y of a region's pixels, row by row.
+    fn luminances_of(&self, region: Region) -> mlua::Result<Vec<f64>> {
+        region.check(self.0.image.width, self.0.image.height)?;
+        let image = self.xyz_image();
+        let luminance = |(x, y): (usize, usize)| image.pixels[y * image.width + x].y;
+        Ok(region.pixels().map(luminance).collect())
+    }
+}
+
+impl fmt::Display for Rendered {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { image, run } = self;
+        let (width, height, bands) = (image.width, image.height, image.grid.bands());
+        write!(f, "image: {width} × {height}, {bands} bands")?;
+        run.as_ref().map_or(Ok(()), |run| write!(f, ", {:.2} s", run.stats.seconds))
+    }
+}
+
 impl UserData for LuaImage {
     fn register(registry: &mut UserDataRegistry<Self>) {
         let mut members = Members::new(registry, "image");
         members.field("width", |_, this| Ok(this.0.image.width));
         members.field("height", |_, this| Ok(this.0.image.height));
-        members.field("layers", |_, this| {
-            let image = &this.0.image;
-            let layers = image.layers.iter();
-            Ok(layers
-                .map(|layer| (layer.name.clone(), LuaImage::of(image.layer(layer))))
-                .collect::<BTreeMap<_, _>>())
-        });
+        members.field("layers", |_, this| Ok(this.layers()));
         members.field("stats", |_, this| Ok(this.stats()));
         members.method("spectrum", 1, |_, this, a| {
             let image = &this.0.image;
@@ -224,18 +252,8 @@ impl UserData for LuaImage {
         });
         members
             .method("luminance", 1, |_, this, a| Ok(this.0.image.mean_xyz(this.region_of(a)?)?.y));
-        members.method("intensity", 0, |lua, this, _| {
-            let view = this.view("image:intensity")?;
-            warn_of_cut_off(&host::of(lua)?, &this.0.image, &view);
-            Ok(intensity::intensity(&this.0.image, &view)?.y)
-        });
-        members.method("luminances", 1, |_, this, a| {
-            let region = this.region_of(a)?;
-            region.check(this.0.image.width, this.0.image.height)?;
-            let image = this.xyz_image();
-            let luminance = |(x, y): (usize, usize)| image.pixels[y * image.width + x].y;
-            Ok(region.pixels().map(luminance).collect::<Vec<_>>())
-        });
+        members.method("intensity", 0, |lua, this, _| this.intensity(&host::of(lua)?));
+        members.method("luminances", 1, |_, this, a| this.luminances_of(this.region_of(a)?));
         members.method("compare", 1, |_, this, mut arguments| {
             let reference: Self = arguments.handle("argument 1", "an image")?;
             let difference = ImageDifference::between(&this.0.image, &reference.0.image)?;
@@ -247,12 +265,7 @@ impl UserData for LuaImage {
             figure::false_color_figure(this, a.record()?)
         });
         members.method("save", 2, |lua, this, a| save(lua, &this.0, a));
-        members.text(|this| {
-            let Rendered { image, run } = this.0.as_ref();
-            let (width, height, bands) = (image.width, image.height, image.grid.bands());
-            let seconds = run.as_ref().map(|run| format!(", {:.2} s", run.stats.seconds));
-            Ok(format!("image: {width} × {height}, {bands} bands{}", seconds.unwrap_or_default()))
-        });
+        members.text(|this| Ok(this.0.to_string()));
         members.operator(MetaMethod::Add, |lua, [a, b]| {
             let image =
                 |value: &Value| options::handle("image + image", "operand", value, "an image");
@@ -338,9 +351,8 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
         }
         Some("jpg" | "jpeg") => {
             let JpegOptions { quality, png } = arguments.record()?;
-            save_picture(&host, &path, rendered, &png.look()?, |raster| {
-                output::write_jpeg(&target, raster, quality)
-            })
+            let write = |raster: &Raster| output::write_jpeg(&target, raster, quality);
+            save_picture(&host, &path, rendered, &png.look()?, write)
         }
         Some("tif" | "tiff") => {
             let TiffOptions { samples, png } = arguments.record()?;
@@ -348,10 +360,8 @@ fn save(lua: &Lua, rendered: &Rendered, mut arguments: Arguments) -> mlua::Resul
                 output::write_float_tiff(&target, &rendered.image)?;
                 return Ok(Cell::Record(Vec::new()));
             }
-            let look = png.look_of_bits(16)?;
-            save_picture(&host, &path, rendered, &look, |raster| {
-                output::write_tiff(&target, raster)
-            })
+            let write = |raster: &Raster| output::write_tiff(&target, raster);
+            save_picture(&host, &path, rendered, &png.look_of_bits(16)?, write)
         }
         _ => {
             let found = format!("\"{path}\"");

@@ -118,16 +118,18 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
         (None, None) => light,
         (Some(directions), None) => LuaLight { rays: directions.of(light.rays)?, ..light },
         (None, Some(emitter)) => emitter.of(light, given.seed, &host)?,
-        (Some(_), Some(_)) => {
-            let problem = "give \"emitter\" or \"directions\", not both: an emitter's samples have \
-                           the directions of its table";
-            return Err(Error::inconsistent("rayset.load", problem).into());
-        }
+        (Some(_), Some(_)) => return Err(emitter_and_directions()),
     };
     match given.transform {
         None => Ok(light),
         Some(transform) => placed(light, &transform),
     }
+}
+
+fn emitter_and_directions() -> mlua::Error {
+    let problem = "give \"emitter\" or \"directions\", not both: an emitter's samples have the \
+                   directions of its table";
+    Error::inconsistent("rayset.load", problem).into()
 }
 
 /// Every whole number up to here is a number of Lua's.
@@ -332,17 +334,33 @@ options! {
     }
 }
 
+impl LuaLight {
+    /// What the start points lie on; nothing for a cloud of them.
+    fn start_surface(&self) -> Cell {
+        let starts = Starts::of(&self.rays.samples);
+        let is_source = starts.inner_source.is_none();
+        starts.surface.map(|fit| START_SURFACE.record(&(fit, is_source))).into()
+    }
+
+    /// Every ray where it is in the scene.
+    fn records(&self) -> Vec<Cell> {
+        let lm_per_flux = self.rays.lm_per_flux();
+        let ray = |sample: &RaySample| WorldRay {
+            position: self.rays.world_origin(sample),
+            direction: self.rays.world_direction(sample),
+            flux_lm: f64::from(sample.flux) * lm_per_flux,
+        };
+        self.rays.samples.iter().map(|sample| RAY.record(&ray(sample))).collect()
+    }
+}
+
 impl UserData for LuaLight {
     fn register(registry: &mut UserDataRegistry<Self>) {
         let mut members = Members::new(registry, "rayset");
         members.field("count", |_, this| Ok(this.rays.samples.len()));
         members.field("directions", |_, this| Ok(this.rays.exponent));
         members.field("flux", |_, this| Ok(this.rays.flux_lm));
-        members.field("start_surface", |_, this| {
-            let starts = Starts::of(&this.rays.samples);
-            let is_source = starts.inner_source.is_none();
-            Ok(Cell::from(starts.surface.map(|fit| START_SURFACE.record(&(fit, is_source)))))
-        });
+        members.field("start_surface", |_, this| Ok(this.start_surface()));
         members.field("spectrum", |_, this| Ok(LuaSpectrum(Arc::clone(&this.spectrum))));
         members.method("transform", 1, |_, this, mut a| placed(this.clone(), &a.record()?));
         members.method("save", 1, |lua, this, mut a| {
@@ -351,16 +369,7 @@ impl UserData for LuaLight {
             let format = SaveFormat::of(&target)?;
             Ok(output::save_rays(&target, &this.rays, &this.spectrum, format)?)
         });
-        members.method("rays", 0, |_, this, _| {
-            let lm_per_flux = this.rays.lm_per_flux();
-            let ray = |sample: &RaySample| WorldRay {
-                position: this.rays.world_origin(sample),
-                direction: this.rays.world_direction(sample),
-                flux_lm: f64::from(sample.flux) * lm_per_flux,
-            };
-            let rays = this.rays.samples.iter();
-            Ok(rays.map(|sample| RAY.record(&ray(sample))).collect::<Vec<_>>())
-        });
+        members.method("rays", 0, |_, this, _| Ok(this.records()));
         members.method("starting_at", 1, |_, this, mut a| {
             let start = a.value();
             let surface = StartOptions::read(START_OBJECT, start)?.surface()?;

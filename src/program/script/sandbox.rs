@@ -79,33 +79,35 @@ fn replace_setmetatable(lua: &Lua) -> mlua::Result<()> {
     globals.set("setmetatable", chunk.call::<Value>(MultiValue::from_vec(raw))?)
 }
 
+/// Makes `io.write`, and returns `print`, from what puts a text out and Lua's own functions.
+const OUTPUT: &str = r#"
+    local put, io, tostring, pack, concat, type, integer, format, error = ...
+    local out = setmetatable({}, { __metatable = false, __name = "FILE*" })
+    function out.write(_, ...)
+        local parts = pack(...)
+        for at = 1, parts.n do
+            local part = parts[at]
+            if type(part) == "number" then
+                parts[at] = format(integer(part) == "integer" and "%d" or "%.14g", part)
+            elseif type(part) ~= "string" then
+                error("bad argument #" .. at .. " to 'write' (string expected, got " .. type(part) .. ")", 2)
+            end
+        end
+        put(concat(parts))
+        return out
+    end
+    io.write = function(...) return out.write(out, ...) end
+    io.stdout = nil
+    return function(...)
+        local parts = pack(...)
+        for at = 1, parts.n do parts[at] = tostring(parts[at]) end
+        put(concat(parts, "\t") .. "\n")
+    end
+"#;
+
 /// `print` and `io.write` whose errors are errors: a full disk or a closed pipe loses nothing
 /// without a word.
 fn replace_output(lua: &Lua) -> mlua::Result<()> {
-    const WRAPPERS: &str = r#"
-        local put, io, tostring, pack, concat, type, integer, format, error = ...
-        local out = setmetatable({}, { __metatable = false, __name = "FILE*" })
-        function out.write(_, ...)
-            local parts = pack(...)
-            for at = 1, parts.n do
-                local part = parts[at]
-                if type(part) == "number" then
-                    parts[at] = format(integer(part) == "integer" and "%d" or "%.14g", part)
-                elseif type(part) ~= "string" then
-                    error("bad argument #" .. at .. " to 'write' (string expected, got " .. type(part) .. ")", 2)
-                end
-            end
-            put(concat(parts))
-            return out
-        end
-        io.write = function(...) return out.write(out, ...) end
-        io.stdout = nil
-        return function(...)
-            local parts = pack(...)
-            for at = 1, parts.n do parts[at] = tostring(parts[at]) end
-            put(concat(parts, "\t") .. "\n")
-        end
-    "#;
     let globals = lua.globals();
     let put = fault::function(lua, |lua, arguments| {
         let Some(Value::String(text)) = arguments.into_iter().next() else {
@@ -125,7 +127,7 @@ fn replace_output(lua: &Lua) -> mlua::Result<()> {
         string.get::<Value>("format")?,
         globals.get::<Value>("error")?,
     );
-    let print: Value = lua.load(WRAPPERS).set_name("=__print").call(raw)?;
+    let print: Value = lua.load(OUTPUT).set_name("=__print").call(raw)?;
     globals.set("print", print)
 }
 

@@ -55,18 +55,8 @@ impl<'a> NumberReader<'a> {
 pub(super) fn read(text: &str) -> Result<PhotometricParts, PhotometricFault> {
     let tilt = text.lines().position(|line| line.trim_start().starts_with("TILT="));
     let tilt = tilt.ok_or((0, "no line \"TILT=\"".to_owned()))?;
-    let mut warnings = Vec::new();
     let mut numbers = NumberReader::after(text, tilt + 1);
-    let value =
-        text.lines().nth(tilt).and_then(|line| line.split_once('=')).map_or("", |(_, v)| v.trim());
-    if value.eq_ignore_ascii_case("INCLUDE") {
-        numbers.next("the lamp's geometry")?;
-        let pairs = numbers.count("the number of tilts")?;
-        numbers.list(2 * pairs, "a tilt")?;
-    }
-    if !value.eq_ignore_ascii_case("NONE") {
-        warnings.push(format!("TILT={value} is not applied: intensities as measured"));
-    }
+    let warnings = pass_tilts(text, tilt, &mut numbers)?;
     let lamps = numbers.next("the number of lamps")?;
     let lumens = numbers.next("the lumens of a lamp")?;
     let multiplier = numbers.next("the multiplier")?;
@@ -97,6 +87,24 @@ pub(super) fn read(text: &str) -> Result<PhotometricParts, PhotometricFault> {
         description: description(text, tilt),
         warnings,
     })
+}
+
+/// Passes over the tilts that are part of the file; warns where there are any.
+fn pass_tilts(
+    text: &str,
+    line: usize,
+    numbers: &mut NumberReader,
+) -> Result<Vec<String>, PhotometricFault> {
+    let stated = text.lines().nth(line).and_then(|line| line.split_once('='));
+    let value = stated.map_or("", |(_, value)| value.trim());
+    if value.eq_ignore_ascii_case("INCLUDE") {
+        numbers.next("the lamp's geometry")?;
+        let pairs = numbers.count("the number of tilts")?;
+        numbers.list(2 * pairs, "a tilt")?;
+    }
+    let is_none = value.eq_ignore_ascii_case("NONE");
+    let warning = || format!("TILT={value} is not applied: intensities as measured");
+    Ok((!is_none).then(warning).into_iter().collect())
 }
 
 fn angle_type(code: f64) -> Result<AngleType, String> {

@@ -42,10 +42,8 @@ fn axis(names: &[&str], to: [&str; 2]) -> Vec<String> {
 
 fn names(line: &[u8]) -> Option<CsvHeader> {
     let line = std::str::from_utf8(line).ok()?;
-    let separator = match [';', '\t', ','].into_iter().find(|&mark| line.contains(mark)) {
-        Some(mark) => RowSeparator::Byte(mark as u8),
-        None => RowSeparator::Blank,
-    };
+    let mark = [b';', b'\t', b','].into_iter().find(|mark| line.as_bytes().contains(mark));
+    let separator = mark.map_or(RowSeparator::Blank, RowSeparator::Byte);
     let cells: Vec<Column> = separator
         .split(line.as_bytes())
         .map(|cell| Column::of(std::str::from_utf8(cell).unwrap_or_default()))
@@ -65,14 +63,8 @@ fn names(line: &[u8]) -> Option<CsvHeader> {
     let wavelength = at(&|name| WAVELENGTH.contains(&name));
     let tag = wavelength.map_or(Tag::None, |column| Tag::Wavelength {
         column,
-        nm_per_unit: if cells[column].is_in(&["um", "µm", "μm", "micron"]) {
-            1000.0
-        } else {
-            1.0
-        },
+        nm_per_unit: cells[column].nm_per_unit(),
     });
-    let is_watt = matches!(cells[flux].name.as_str(), "radiantflux" | "power" | "watt" | "watts")
-        || cells[flux].is_in(&["w", "watt", "mw"]);
     let layout = Layout {
         columns: cells.len(),
         position: Some(position),
@@ -82,7 +74,7 @@ fn names(line: &[u8]) -> Option<CsvHeader> {
         tag,
         mm_per_unit: cells[position].mm_per_unit(),
     };
-    let unit = if is_watt { FluxUnit::Watt } else { FluxUnit::Lumen };
+    let unit = if cells[flux].is_radiant() { FluxUnit::Watt } else { FluxUnit::Lumen };
     // Rows parted by blanks are the plain text of LED makers, unless a wavelength is named.
     let is_named = separator != RowSeparator::Blank || wavelength.is_some();
     (is_named && cells.len() <= MAX_COLUMNS).then_some(CsvHeader { layout, unit, separator })
@@ -106,6 +98,15 @@ impl Column {
         };
         let name = name.chars().filter(|c| c.is_alphanumeric()).collect();
         Self { name, unit: unit.trim().to_owned() }
+    }
+
+    fn nm_per_unit(&self) -> f64 {
+        if self.is_in(&["um", "µm", "μm", "micron"]) { 1000.0 } else { 1.0 }
+    }
+
+    fn is_radiant(&self) -> bool {
+        matches!(self.name.as_str(), "radiantflux" | "power" | "watt" | "watts")
+            || self.is_in(&["w", "watt", "mw"])
     }
 
     fn is_in(&self, units: &[&str]) -> bool {
