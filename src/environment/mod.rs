@@ -188,11 +188,11 @@ impl Environment {
             horizon: None,
             half: None,
         };
-        let powers = specular_powers(given, Photometry::Absolute, side);
+        let powers = specular_powers(given, Photometry::Absolute, (side, share));
         let specular = powers.into_iter().map(|(weight, exponent)| FarLobe {
             axis: if side.is_half { side.normal } else { side.axis },
             exponent,
-            weight: share * weight,
+            weight,
             horizon: Some(side.normal),
             half: side.is_half.then(|| side.view()),
         });

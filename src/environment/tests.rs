@@ -292,14 +292,15 @@ fn half_shadows_are_segments_of_the_disc() {
 #[test]
 fn sharp_lobes_see_the_disc() {
     let environment = with_sun(40.0);
-    let lobes = specular(1e6);
     let sun = environment.sun().unwrap();
     let normal = (sun.direction + DVec3::X).normalize();
-    let far = reflected(&environment, &query(normal, DVec3::X, &lobes), 0.01);
-    // The part of the lobe within the radius α is 1 − cosⁿ⁺¹ α.
-    let part = 1.0 - SUN_RADIUS_RAD.cos().powf(1e6 + 1.0);
-    let expected = sun.luminance() * part;
-    assert!((far.sun / expected - 1.0).abs() < 0.01, "{} for {expected}", far.sun);
+    for lobes in [specular(1e6), half(1e6)] {
+        let far = reflected(&environment, &query(normal, DVec3::X, &lobes), 0.01);
+        // The part of an R·V lobe within the radius α is 1 − cosⁿ⁺¹ α; the other is no wider.
+        let part = 1.0 - SUN_RADIUS_RAD.cos().powf(1e6 + 1.0);
+        let expected = sun.luminance() * part;
+        assert!((far.sun / expected - 1.0).abs() < 0.01, "{} for {expected}", far.sun);
+    }
 }
 
 #[test]

@@ -7,11 +7,13 @@ use lampyris::color::{Photometry, Xyz};
 use lampyris::environment::{Daylight, Dome, Environment, Picture, SkyKind, SunPlace, toward};
 use lampyris::geometry::{DVec3, Mesh};
 use lampyris::image::SpectralImage;
-use lampyris::material::Material;
+use lampyris::material::{
+    Fresnel, LobeShape, Lobes, Material, OpticalConstants, metal_reflectance,
+};
 use lampyris::render::{Quality, Samples};
 use lampyris::scene::{Background, Scene, Shadows};
 use lampyris::shading::TraceLimits;
-use lampyris::spectrum::Spectrum;
+use lampyris::spectrum::{Spectrum, WavelengthGrid};
 use lampyris::view::View;
 
 use crate::stage::*;
@@ -163,6 +165,34 @@ fn the_papers_reflector_is_no_source() {
     let image = shoot(under(furnace, (ball(), reflector), Shadows::Off), &view(), &quality(4));
     let [found, _] = means(&image, |_, _| 0.0);
     assert!((0.95..1.0).contains(&found), "{found}");
+}
+
+/// A rough metal's lobes follow Fresnel's law at V's angle, as its mirrored ray would.
+#[test]
+fn a_rough_metal_returns_its_reflectance_at_every_angle() {
+    let furnace = Picture::new(8, 4, vec![[1.0, 0.0, 0.0]; 32]).unwrap();
+    let furnace = Environment::new(Dome::Picture(furnace), vec![Spectrum::constant(1.0)]).unwrap();
+    let OpticalConstants { n, k } = OpticalConstants::aluminium();
+    let lobes = Lobes { shape: LobeShape::Half, ..specular(1.0, 1500.0) };
+    let white = Material { lobes, ..material() };
+    let fresnel = Fresnel::Metal { n: n.clone(), k: k.clone() };
+    let metal = Material { fresnel, ..white.clone() };
+    for angle_deg in [0.0f64, 45.0, 80.0] {
+        let [metal, white] = [&metal, &white].map(|material| {
+            let object = (square(0.0, 10.0), material.clone());
+            shoot(
+                under(furnace.clone(), object, Shadows::Off),
+                &pixel_view(angle_deg, 100.0),
+                &exact(0),
+            )
+        });
+        for (band, lambda_nm) in WavelengthGrid::Step5.wavelengths_nm().enumerate() {
+            let [metal, white] = [&metal, &white].map(|image| f64::from(image.pixel(0, 0)[band]));
+            let index = [n.at(lambda_nm), k.at(lambda_nm)];
+            let expected = metal_reflectance(angle_deg.to_radians().cos(), 1.0, index);
+            assert_close(metal / white, expected, 1e-6, &format!("{angle_deg}° {lambda_nm} nm"));
+        }
+    }
 }
 
 /// A post's shadow under a low sun: how wide its edge is, across 10 % to 90 % of the light.

@@ -22,12 +22,12 @@ impl Power {
     }
 }
 
-/// (weight, exponent) of a side's specular lobes, normalized; the exponent is the cosine's that
-/// [`Side::specular`] takes to it.
+/// (weight, exponent) of `share` of a side's specular lobes, normalized; the exponent is the cosine's
+/// that [`Side::specular`] takes to it.
 pub(crate) fn specular_powers(
     lobes: &Lobes,
     photometry: Photometry,
-    side: &Side,
+    (side, share): (&Side, f64),
 ) -> Vec<(f64, f64)> {
     let absolute = photometry == Photometry::Absolute;
     let cos_view = side.cos_view().max(GRAZING);
@@ -41,7 +41,7 @@ pub(crate) fn specular_powers(
         }
     };
     let shining = lobes.specular.iter().filter(|lobe| lobe.k_s > 0.0);
-    shining.map(|lobe| power(lobe.k_s, lobe.n_s)).collect()
+    shining.map(|lobe| power(share * lobe.k_s, lobe.n_s)).collect()
 }
 
 /// Nearer to grazing, N·V is taken for this, so that weights stay finite.
@@ -93,7 +93,7 @@ impl LobeSet {
     pub fn new(lobes: &Lobes, photometry: Photometry, side: &Side) -> LobeSet {
         let absolute = photometry == Photometry::Absolute;
         let k_d = if absolute { lobes.k_d / PI } else { lobes.k_d };
-        let exact_specular = specular_powers(lobes, photometry, side);
+        let exact_specular = specular_powers(lobes, photometry, (side, 1.0));
         let exponents = exact_specular.iter().map(|lobe| lobe.1);
         // H turns by up to 1/(N·V) of L.
         let sharpening = if side.is_half { side.cos_view().max(GRAZING).powi(-2) } else { 1.0 };
