@@ -112,6 +112,19 @@ fn wait_for_views(bench: &Bench, child: &mut Child, count: usize) {
     }
 }
 
+/// What max_depth cuts off is in the record of each view, and told once for all of them.
+#[test]
+fn rays_that_are_cut_are_counted_and_told_once() {
+    let bench = bench();
+    bench.write("sweep.lua", &SCRIPT.replace("light_error = 0", "light_error = 0, max_depth = 0"));
+    let output = bench.run(&["run", "sweep.lua", "--threads=1"]);
+    let told = text(&output.stderr);
+    assert_eq!(told.matches("ended at max_depth").count(), 1, "{told}");
+    let views = Manifest::read(&bench.path("out/s/manifest.json")).expect("a manifest").views;
+    let cut = |stats: &serde_json::Value| stats["rays_cut"].as_u64().is_some_and(|rays| rays > 0);
+    assert!(views.len() == 8 && views.iter().all(|view| cut(&view.details["stats"])), "{views:?}");
+}
+
 #[test]
 fn killed_sweeps_go_on_to_the_same_bytes() {
     let expected = unbroken();
