@@ -46,7 +46,7 @@ mod tests {
         assert!((table.at(550.0) - 0.9157).abs() < 1e-4);
     }
 
-    /// Beadie's formula at the C, d and F lines; Abbe's number of PMMA is 57 to 58.
+    /// Beadie's formula at the C, d and F lines.
     #[test]
     fn pmma_follows_its_formula() {
         let OpticalConstants { n, k } = OpticalConstants::pmma();
@@ -56,13 +56,10 @@ mod tests {
             let down = 2.3678e-2 / l2 - 4.2137e-3 / (l2 * l2);
             (up + down + 7.3417e-4 / l2.powi(3) - 4.5042e-5 / l2.powi(4)).sqrt()
         };
-        let [c, d, f] = [656.27, 587.56, 486.13].map(|lambda_nm: f64| {
+        for lambda_nm in [656.27, 587.56, 486.13] {
             let found = n.at(lambda_nm);
             assert!((found - formula(lambda_nm)).abs() < 1e-5, "{lambda_nm}: {found}");
-            found
-        });
-        let abbe = (d - 1.0) / (f - c);
-        assert!((57.0..58.5).contains(&abbe), "{abbe}");
+        }
         assert_eq!(k.values().len(), 81);
         assert!(k.min() > 1e-7 && k.max() < 1e-6);
     }
