@@ -4,6 +4,8 @@
 //! manifests too where they hold the record, and `MAKE_REF=1 cargo test --lib annotations` tells
 //! the Lua language server.
 
+use std::fmt;
+
 use serde_json::{Map, json};
 
 use crate::color::Xyz;
@@ -41,6 +43,32 @@ impl Cell {
             Self::Record(fields) => {
                 let rows = fields.iter().map(|(name, cell)| ((*name).to_owned(), cell.to_json()));
                 rows.collect::<Map<_, _>>().into()
+            }
+        }
+    }
+}
+
+/// For people: numbers to seven digits, lists and records as scripts write them.
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let joined = |parts: Vec<String>| format!("{{{}}}", parts.join(", "));
+        match self {
+            Self::Nothing => Ok(()),
+            // Adding 0 turns −0 into 0.
+            Self::Number(number) => match format!("{:.6e}", number + 0.0).parse::<f64>() {
+                Ok(number) if number == 0.0 || (1e-4..1e9).contains(&number.abs()) => {
+                    write!(f, "{number}")
+                }
+                Ok(number) => write!(f, "{number:e}"),
+                Err(_) => write!(f, "{number}"),
+            },
+            Self::Count(count) => write!(f, "{count}"),
+            Self::Flag(flag) => write!(f, "{flag}"),
+            Self::Text(text) => f.write_str(text),
+            Self::List(list) => f.write_str(&joined(list.iter().map(Self::to_string).collect())),
+            Self::Record(cells) => {
+                let cells = cells.iter().map(|(name, cell)| format!("{name} = {cell}"));
+                f.write_str(&joined(cells.collect()))
             }
         }
     }
@@ -88,6 +116,17 @@ impl<T> Fields<T> {
         cells.filter(|(_, cell)| *cell != Cell::Nothing).collect()
     }
 
+    /// A line for each field that holds something, for people: name, value and sentence.
+    pub fn lines(&self, value: &T) -> Vec<String> {
+        let line = |field: &Field<T>| match (field.cell)(value) {
+            Cell::Nothing => None,
+            Cell::List(list) if list.is_empty() => None,
+            cell if field.sentence.is_empty() => Some(format!("{}: {cell}", field.name)),
+            cell => Some(format!("{}: {cell} ({})", field.name, field.sentence)),
+        };
+        self.fields.iter().filter_map(line).collect()
+    }
+
     /// The records of several values.
     pub fn list(&self, values: &[T]) -> Cell {
         Cell::List(values.iter().map(|value| self.record(value)).collect())
@@ -127,6 +166,12 @@ impl From<bool> for Cell {
 impl From<&str> for Cell {
     fn from(text: &str) -> Self {
         Self::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Self::Text(text)
     }
 }
 

@@ -5,10 +5,10 @@ use std::path::Path;
 use crate::columns::{Table, TableChoice};
 use crate::display::{self, ProfiledDisplay};
 use crate::error::{Error, Place, Result};
-use crate::geometry::Closure;
 use crate::geometry::import::{self, MeshFile, MeshReading};
 use crate::input;
 use crate::output;
+use crate::program::results::{MESH, NamedMesh, START_SURFACE};
 use crate::program::sweep::Manifest;
 use crate::source::Starts;
 use crate::source::photometric;
@@ -119,30 +119,15 @@ fn manifest(path: &Path) -> Result<Vec<String>> {
 fn mesh(path: &Path) -> Result<Vec<String>> {
     let file = import::load(path, &MeshReading::default())?;
     let MeshFile { mesh, format, .. } = &file;
-    let [low, high] = mesh.bounds();
-    let size = high - low;
     let mut lines = vec![
         format!("{format} mesh, {} triangles", mesh.triangles.len()),
         format!("{} vertices, those at one place counted once", mesh.positions.len()),
-        format!("from {low} to {high} mm"),
-        format!("{} × {} × {} mm", size.x, size.y, size.z),
-        format!("area {:.6} mm²", mesh.area_mm2()),
-        match Closure::of(mesh) {
-            Closure { open_edges: 0, volume_mm3 } => format!("closed, volume {volume_mm3:.6} mm³"),
-            Closure { open_edges, .. } => format!("{open_edges} open edges: not a closed body"),
-        },
     ];
-    for (kind, names) in
-        [("groups", &file.groups), ("objects", &file.objects), ("materials", &file.materials)]
-    {
-        if !names.is_empty() {
-            lines.push(format!("{kind}: {}", names.join(", ")));
-        }
-    }
-    let warnings = file.warnings.iter().cloned().chain(file.unit_warning());
-    lines.extend(warnings.map(|warning| format!("warning: {warning}")));
-    let others = [file.size_warning(), file.inside_out_warning()];
-    lines.extend(others.into_iter().flatten().map(|warning| format!("warning: {warning}")));
+    let others = [file.unit_warning(), file.size_warning(), file.inside_out_warning()];
+    let warnings: Vec<String> =
+        file.warnings.iter().cloned().chain(others.into_iter().flatten()).collect();
+    lines.extend(MESH.lines(&NamedMesh::from(file)));
+    lines.extend(warnings.iter().map(|warning| format!("warning: {warning}")));
     Ok(lines)
 }
 
@@ -204,7 +189,14 @@ fn rays(file: &RayFile) -> Vec<String> {
         SpectrumSource::Table => "spectrum: a table".to_owned(),
         SpectrumSource::Mixture { tables } => format!("spectrum: {tables} tables"),
     });
-    lines.extend(Starts::of(&file.samples).lines());
+    let starts = Starts::of(&file.samples);
+    lines.extend(starts.lines());
+    let surface =
+        starts.surface.map(|fit| START_SURFACE.record(&(fit, starts.inner_source.is_none())));
+    lines.push(match surface {
+        Some(surface) => format!("start_surface: {surface}"),
+        None => "start_surface: no point, plane, sphere or cylinder".to_owned(),
+    });
     lines.extend(file.description.iter().map(|(name, text)| format!("{name}: {text}")));
     lines.extend(file.warnings.iter().map(|warning| format!("warning: {warning}")));
     lines

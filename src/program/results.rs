@@ -1,12 +1,15 @@
 //! The fields of every record that scripts and manifests read.
 
+use std::sync::Arc;
+
 use super::fields::{Cell, Fields, field};
 use super::intensity::PointCheck;
 use super::sweep::{RegionReading, SweepOutcome};
 use super::uncertainty::{Budget, Contribution};
 use crate::color::signal;
 use crate::display::{ChannelFit, Curve, Developed, PatchError, Verification};
-use crate::geometry::DVec3;
+use crate::geometry::import::MeshFile;
+use crate::geometry::{Closure, DVec3, Mesh};
 use crate::image::difference::ImageDifference;
 use crate::image::homogeneity::{Homogeneity, NoiseShare};
 use crate::material::{FittedLobe, LobeFit};
@@ -516,6 +519,68 @@ pub const RAY: Fields<WorldRay> = Fields {
         field("position", "vector", "mm", |ray| ray.position.into()),
         field("direction", "vector", "", |ray| ray.direction.into()),
         field("flux", "number", "lm", |ray| ray.flux_lm.into()),
+    ],
+};
+
+/// A mesh, and the names of its file's parts that have faces.
+#[derive(Debug, Clone)]
+pub struct NamedMesh {
+    /// In the coordinates of its own, mm.
+    pub mesh: Arc<Mesh>,
+    /// Groups of the file.
+    pub groups: Arc<[String]>,
+    /// Objects of the file.
+    pub objects: Arc<[String]>,
+    /// Materials of the file.
+    pub materials: Arc<[String]>,
+}
+
+/// A mesh that is from no file.
+impl From<Mesh> for NamedMesh {
+    fn from(mesh: Mesh) -> Self {
+        let none = || Arc::from([]);
+        Self { mesh: Arc::new(mesh), groups: none(), objects: none(), materials: none() }
+    }
+}
+
+impl From<MeshFile> for NamedMesh {
+    fn from(file: MeshFile) -> Self {
+        Self {
+            mesh: Arc::new(file.mesh),
+            groups: file.groups.into(),
+            objects: file.objects.into(),
+            materials: file.materials.into(),
+        }
+    }
+}
+
+/// A mesh, as scripts and `lampyris info` show it.
+pub const MESH: Fields<NamedMesh> = Fields {
+    class: "Mesh",
+    fields: &[
+        field("triangle_count", "integer", "", |named| named.mesh.triangles.len().into()),
+        field("bounds", "vector[]", "lowest and highest corner, mm", |named| {
+            named.mesh.bounds().into()
+        }),
+        field("area", "number", "mm²", |named| named.mesh.area_mm2().into()),
+        field(
+            "volume",
+            "number",
+            "mm³, of a closed mesh; negative if its fronts are inside",
+            |named| named.mesh.volume_mm3().into(),
+        ),
+        field("open_edges", "integer", "0: the mesh is closed", |named| {
+            Closure::of(&named.mesh).open_edges.into()
+        }),
+        field("groups", "string[]", "names of the file's groups that have faces", |named| {
+            named.groups.to_vec().into()
+        }),
+        field("objects", "string[]", "names of its objects that have faces", |named| {
+            named.objects.to_vec().into()
+        }),
+        field("materials", "string[]", "names of its materials that have faces", |named| {
+            named.materials.to_vec().into()
+        }),
     ],
 };
 

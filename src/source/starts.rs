@@ -85,18 +85,11 @@ impl Starts {
         ))
     }
 
-    /// A line for each finding, for people.
+    /// A line for each finding but the surface, for people.
     pub fn lines(&self) -> Vec<String> {
         let (rays, flux) = (100.0 * self.below_rays, 100.0 * self.below_flux);
-        let surface = match &self.surface {
-            Some(SurfaceFit { surface, rms_mm, share }) => {
-                format!("{surface}, rms {rms_mm:.1e} mm, {:.1} % of the rays", 100.0 * share)
-            }
-            None => "no point, plane, sphere or cylinder".to_owned(),
-        };
         let mut lines = vec![
             format!("start points: {} to {} mm", triple(self.low), triple(self.high)),
-            format!("start surface: {surface}"),
             format!("mean direction: {}", triple(self.mean_direction)),
             format!("below z = 0: {rays:.2} % of the rays, {flux:.2} % of the flux"),
         ];

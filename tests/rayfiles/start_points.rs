@@ -87,7 +87,7 @@ fn the_report_sees_sphere_and_filament() {
     // An even source all around: as much below as above.
     assert!((report.below_rays - 0.5).abs() < 0.01 && report.mean_direction.length() < 0.01);
     let text = report.lines().join("\n");
-    assert!(text.contains("start surface: sphere about (0.0000, 0.0000, 10.0000), radius 10.0000"));
+    assert!(text.contains("start on a sphere about (0.0000, 0.0000, 10.0000), radius 10.0000"));
     assert!(text.contains("start = { axis = {0, 0, 1}, through = {"), "{text}");
 }
 

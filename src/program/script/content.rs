@@ -149,8 +149,8 @@ impl Reader<'_> {
             Value::UserData(data) => {
                 if let Ok(mesh) = data.borrow::<LuaMesh>() {
                     self.hasher.text("mesh");
-                    self.hasher.bytes(&(Arc::as_ptr(&mesh.0) as usize).to_le_bytes());
-                    self.meshes.push(Arc::clone(&mesh.0));
+                    self.hasher.bytes(&(Arc::as_ptr(&mesh.0.mesh) as usize).to_le_bytes());
+                    self.meshes.push(Arc::clone(&mesh.0.mesh));
                 } else {
                     let spectrum = data.borrow::<LuaSpectrum>().ok()?;
                     self.hasher.text(&format!("{:?}", spectrum.0));

@@ -106,7 +106,7 @@ fn cylinder(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
 fn emitter(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let given: EmitterOptions = arguments.record()?;
     host::of(lua)?.note_seed("emitter", given.seed);
-    let mesh = given.mesh.0;
+    let mesh = given.mesh.0.mesh;
     let area_mm2 = mesh_area(&mesh);
     let flux_lm = match (given.flux, given.radiance) {
         (Some(flux_lm), None) => flux_lm,

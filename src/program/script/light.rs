@@ -189,7 +189,7 @@ pub(super) fn placed(light: LuaLight, transform: &Transform) -> mlua::Result<Lua
     let placement = transform.placement("rayset: transform")?;
     let world_from_local = placement.affine() * light.rays.world_from_local;
     let moved = |part: &SceneObject| -> mlua::Result<SceneObject> {
-        let mesh = part.mesh.0.transformed(&placement);
+        let mesh = part.mesh.0.mesh.transformed(&placement);
         mesh.check_positions("rayset: transform")?;
         Ok(SceneObject { mesh: LuaMesh::made(mesh), material: part.material.clone() })
     };

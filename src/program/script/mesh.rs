@@ -14,28 +14,21 @@ use super::members::{Members, functions};
 use super::options::{self, Arguments, Range};
 use super::record::options;
 use crate::error::Error;
-use crate::geometry::import::{self, Interpolation, MeshFile, MeshReading, Selection};
+use crate::geometry::import::{self, Interpolation, MeshReading, Selection};
 use crate::geometry::mesh::{Axis, Placement, Shading};
-use crate::geometry::{Closure, DVec3, Mesh, Plane, obj};
+use crate::geometry::{DVec3, Mesh, Plane, obj};
 use crate::output;
+use crate::program::results::{MESH, NamedMesh};
 
 /// Handle of a mesh, and of the names in its file.
 #[derive(Debug, Clone)]
-pub struct LuaMesh(pub Arc<Mesh>, Arc<MeshNames>);
+pub struct LuaMesh(pub NamedMesh);
 
 impl LuaMesh {
     /// A mesh that came of no file.
     pub(super) fn made(mesh: Mesh) -> Self {
-        Self(Arc::new(mesh), Arc::default())
+        Self(mesh.into())
     }
-}
-
-/// Parts of a file that can be loaded by themselves.
-#[derive(Debug, Default)]
-struct MeshNames {
-    groups: Vec<String>,
-    objects: Vec<String>,
-    materials: Vec<String>,
 }
 
 /// Cells a side of a surface grid.
@@ -63,12 +56,12 @@ fn reserve(lua: &Lua, object: &str, positions: usize, triangles: usize) -> mlua:
 impl LuaMesh {
     /// Handle of a mesh that is from no file.
     fn new(mesh: Mesh) -> Self {
-        Self(Arc::new(mesh), Arc::default())
+        Self(mesh.into())
     }
 
     /// Another mesh from the same file.
     fn with(&self, mesh: Mesh) -> Self {
-        Self(Arc::new(mesh), Arc::clone(&self.1))
+        Self(NamedMesh { mesh: Arc::new(mesh), ..self.0.clone() })
     }
 }
 
@@ -116,8 +109,7 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let unit = file.unit_warning().filter(|_| !has_unit);
     let warnings = file.warnings.iter().cloned().chain(unit);
     warnings.for_each(|warning| host.warn(format!("{path}: {warning}")));
-    let MeshFile { mesh, groups, objects, materials, .. } = file;
-    Ok(LuaMesh(Arc::new(mesh), Arc::new(MeshNames { groups, objects, materials })))
+    Ok(LuaMesh(file.into()))
 }
 
 impl MeshLoadOptions {
@@ -244,7 +236,7 @@ fn merge(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let list = options::list(OBJECT, "argument", &arguments.value(), "a list of meshes")?;
     let handle = |value: &Value| options::handle::<LuaMesh>(OBJECT, "entry", value, "a mesh");
     let meshes: Vec<LuaMesh> = list.iter().map(handle).collect::<mlua::Result<_>>()?;
-    let meshes: Vec<&Mesh> = meshes.iter().map(|mesh| mesh.0.as_ref()).collect();
+    let meshes: Vec<&Mesh> = meshes.iter().map(|mesh| mesh.0.mesh.as_ref()).collect();
     let positions = meshes.iter().map(|mesh| mesh.positions.len()).sum();
     reserve(lua, OBJECT, positions, meshes.iter().map(|mesh| mesh.triangles.len()).sum())?;
     Ok(LuaMesh::new(Mesh::merged(OBJECT, &meshes)?))
@@ -314,39 +306,34 @@ fn section(mesh: &Mesh, mut arguments: Arguments) -> mlua::Result<Vec<[[f64; 3];
 impl UserData for LuaMesh {
     fn register(registry: &mut UserDataRegistry<Self>) {
         let mut members = Members::new(registry, "mesh");
-        members.field("triangle_count", |_, this| Ok(this.0.triangles.len()));
-        members.field("bounds", |_, this| {
-            let [low, high] = this.0.bounds();
-            Ok([low.to_array(), high.to_array()])
-        });
-        members.field("area", |_, this| Ok(this.0.area_mm2()));
-        members.field("volume", |_, this| Ok(this.0.volume_mm3()));
-        members.field("open_edges", |_, this| Ok(Closure::of(&this.0).open_edges));
-        members.field("groups", |_, this| Ok(this.1.groups.clone()));
-        members.field("objects", |_, this| Ok(this.1.objects.clone()));
-        members.field("materials", |_, this| Ok(this.1.materials.clone()));
+        members.record(&MESH, |this| &this.0);
         members.method("transform", 1, |lua, this, mut a| {
             let transform: Transform = a.record()?;
             let placement = transform.placement("mesh:transform")?;
-            reserve(lua, "mesh:transform", this.0.positions.len(), this.0.triangles.len())?;
-            let mesh = this.0.transformed(&placement);
+            reserve(
+                lua,
+                "mesh:transform",
+                this.0.mesh.positions.len(),
+                this.0.mesh.triangles.len(),
+            )?;
+            let mesh = this.0.mesh.transformed(&placement);
             mesh.check_positions("mesh:transform")?;
             Ok(this.with(mesh))
         });
         members.method("save", 1, |lua, this, mut a| {
             let path = a.text("path")?;
             let path = host::of(lua)?.output(&path)?;
-            Ok(output::write_text(&path, &obj::to_text(&this.0))?)
+            Ok(output::write_text(&path, &obj::to_text(&this.0.mesh))?)
         });
         members.method("flat", 0, |lua, this, _| {
-            reserve(lua, "mesh:flat", this.0.positions.len(), this.0.triangles.len())?;
-            Ok(this.with(Mesh::clone(&this.0).into_flat()))
+            reserve(lua, "mesh:flat", this.0.mesh.positions.len(), this.0.mesh.triangles.len())?;
+            Ok(this.with(Mesh::clone(&this.0.mesh).into_flat()))
         });
-        members.method("section", 1, |_, this, a| section(&this.0, a));
-        members.length(|this| this.0.triangles.len());
+        members.method("section", 1, |_, this, a| section(&this.0.mesh, a));
+        members.length(|this| this.0.mesh.triangles.len());
         members.text(|this| {
-            let [low, high] = this.0.bounds();
-            Ok(format!("mesh: {} triangles, {low} to {high} mm", this.0.triangles.len()))
+            let [low, high] = this.0.mesh.bounds();
+            Ok(format!("mesh: {} triangles, {low} to {high} mm", this.0.mesh.triangles.len()))
         });
         members.no_others();
     }

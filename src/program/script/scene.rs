@@ -139,7 +139,8 @@ impl SceneParts {
             self.materials.push(material);
             self.materials.len() - 1
         });
-        self.objects.push(scene::Object { mesh: object.mesh.0, material: MaterialId(material) });
+        self.objects
+            .push(scene::Object { mesh: object.mesh.0.mesh, material: MaterialId(material) });
     }
 }
 
