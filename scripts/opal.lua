@@ -5,24 +5,13 @@
 
 local lampyris = require "lampyris"
 local revolve = require "revolve"
+local panel = require("sheet").panel
 
 local width = tonumber(arg[1]) or 320
 local samples = tonumber(arg[2]) or 1
 local bounced = tonumber(arg[3]) or 8000
 
 local W, H, DEPTH = 120, 40, 25 -- mm
-
---- A rectangle from a corner along two edges; its front is the side of a × b.
-local function panel(corner, a, b)
-  local function at(i, j)
-    return { corner[1] + i * a[1] + j * b[1], corner[2] + i * a[2] + j * b[2],
-      corner[3] + i * a[3] + j * b[3] }
-  end
-  return lampyris.mesh.new {
-    positions = { at(0, 0), at(1, 0), at(1, 1), at(0, 1) },
-    triangles = { { 1, 2, 3 }, { 1, 3, 4 } }, smooth = false,
-  }
-end
 
 local white = lampyris.material { name = "box", reflectance = 0.92, k_d = 1 }
 local opal = lampyris.material {

@@ -139,4 +139,16 @@ function sheet.merged_mesh(sheets)
   return lampyris.mesh.merge(meshes)
 end
 
+--- A rectangle from a corner along two edges; its front is the side of a × b.
+function sheet.panel(corner, a, b)
+  local function at(i, j)
+    return { corner[1] + i * a[1] + j * b[1], corner[2] + i * a[2] + j * b[2],
+      corner[3] + i * a[3] + j * b[3] }
+  end
+  return lampyris.mesh.new {
+    positions = { at(0, 0), at(1, 0), at(1, 1), at(0, 1) },
+    triangles = { { 1, 2, 3 }, { 1, 3, 4 } }, smooth = false,
+  }
+end
+
 return sheet

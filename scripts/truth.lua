@@ -197,16 +197,7 @@ end))
 
 -- Light that bounces: the opal box of 40 × 40 × 10 mm. -----------------------------------------------
 
-local function panel(corner, a, b)
-  local function at(i, j)
-    return { corner[1] + i * a[1] + j * b[1], corner[2] + i * a[2] + j * b[2],
-      corner[3] + i * a[3] + j * b[3] }
-  end
-  return lampyris.mesh.new {
-    positions = { at(0, 0), at(1, 0), at(1, 1), at(0, 1) },
-    triangles = { { 1, 2, 3 }, { 1, 3, 4 } }, smooth = false,
-  }
-end
+local panel = require("sheet").panel
 local wall = lampyris.material { name = "wall", reflectance = 0.9, k_d = 1 }
 local opal = lampyris.material {
   name = "opal", reflectance = 0.5, transmittance = 0.4, k_d = 1, k_tg = 1e-9,

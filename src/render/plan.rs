@@ -209,20 +209,10 @@ impl Film {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::DVec3;
     use crate::view::View;
 
     fn film(width: usize, height: usize) -> Film {
-        let view = View {
-            azimuth_deg: 0.0,
-            elevation_deg: 0.0,
-            distance_mm: 1.0,
-            target: DVec3::ZERO,
-            fov_deg: 1.0,
-            width,
-            height,
-        };
-        Film::new(&view, 1, 0)
+        Film::new(&View { width, height, ..View::default() }, 1, 0)
     }
 
     /// Doubles until there are `count`, and adds what `luminance` says of each.

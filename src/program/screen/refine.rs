@@ -76,20 +76,11 @@ fn coarse(asked: &Asked) -> Asked {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::DVec3;
 
     #[test]
     fn first_pictures_have_few_pixels() {
         for (width, height) in [(1, 1), (70, 70), (71, 71), (640, 480), (16384, 16384)] {
-            let view = View {
-                azimuth_deg: 0.0,
-                elevation_deg: 0.0,
-                distance_mm: 1.0,
-                target: DVec3::ZERO,
-                fov_deg: 1.0,
-                width,
-                height,
-            };
+            let view = View { width, height, ..View::default() };
             let shrink = first_shrink(&view);
             assert!(view.pixels() / shrink.pow(2) <= FIRST_PIXELS, "{width} × {height}: {shrink}");
             assert!(shrink == 1 || view.pixels() * 4 / shrink.pow(2) > FIRST_PIXELS);
