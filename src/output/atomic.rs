@@ -67,7 +67,7 @@ pub fn confine(root: &Path) -> Result<()> {
 
 /// Makes a folder and all above it. Errors: [`Error::Io`], also where [`confine`] forbids it.
 pub fn make_folder(folder: &Path) -> Result<()> {
-    Place::of(folder).map(drop).map_err(|e| Error::io(folder, e))
+    OpenFolder::of(folder).map(drop).map_err(|e| Error::io(folder, e))
 }
 
 /// A new file that is added to while it is there, such as a log.
@@ -75,7 +75,7 @@ pub fn make_folder(folder: &Path) -> Result<()> {
 /// Errors: [`Error::Io`], also if there is one of this name.
 pub fn create(path: &Path) -> Result<File> {
     let create = || {
-        let (place, name) = Place::of_file(path)?;
+        let (place, name) = OpenFolder::of_file(path)?;
         File::options().append(true).create_new(true).open(place.path.join(name))
     };
     create().map_err(|e| Error::io(path, e))
@@ -83,7 +83,7 @@ pub fn create(path: &Path) -> Result<File> {
 
 /// Writes through a handle of the folder, so that a name that changes its meaning changes nothing.
 fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
-    let (place, name) = Place::of_file(path)?;
+    let (place, name) = OpenFolder::of_file(path)?;
     if is_new_to_us(path.parent().unwrap_or(path)) {
         remove_abandoned(&place.path);
     }
@@ -99,13 +99,13 @@ fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::
 }
 
 /// A folder that is open, and where it may be written to.
-struct Place {
+struct OpenFolder {
     handle: Option<File>,
     /// Names the very folder that is open, whatever its own name leads to now.
     path: PathBuf,
 }
 
-impl Place {
+impl OpenFolder {
     /// The folder of a file, and the file's name in it.
     fn of_file(path: &Path) -> io::Result<(Self, &OsStr)> {
         let name = path.file_name().ok_or_else(|| io::Error::other("not the name of a file"))?;

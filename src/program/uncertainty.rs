@@ -70,7 +70,7 @@ pub struct SpectralInput {
 
 /// An input of a picture, by what is known of its effect.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Input {
+pub enum InputEffect {
     /// Light in proportion to the input, and its relative standard uncertainty.
     Flux {
         /// What of the picture is its light.
@@ -114,26 +114,26 @@ pub struct Budget {
 
 impl Contribution {
     /// What `input` adds to the quantities of `seen`.
-    pub fn of(name: &str, seen: &Seen, grid: WavelengthGrid, input: &Input) -> Self {
+    pub fn of(name: &str, seen: &Seen, grid: WavelengthGrid, input: &InputEffect) -> Self {
         let name = name.to_owned();
         match input {
-            Input::Flux { light, relative } => {
+            InputEffect::Flux { light, relative } => {
                 let signed = seen.change(grid, light).map(|change| change * relative);
                 Self { name, u: signed.map(f64::abs), signed: Some(signed) }
             }
-            Input::LightSpectrum { light, spectrum, input } => {
+            InputEffect::LightSpectrum { light, spectrum, input } => {
                 let u = input.spread(
                     |band| seen.change(grid, &normalized(light, spectrum, grid, band)),
                     grid,
                 );
                 Self { name, u, signed: None }
             }
-            Input::Spectrum { slope, input } => {
+            InputEffect::Spectrum { slope, input } => {
                 let only = |band: usize| slope.map(|bands| kept(bands, band));
                 let u = input.spread(|band| seen.change(grid, &only(band)), grid);
                 Self { name, u, signed: None }
             }
-            Input::Tried { light } => {
+            InputEffect::Tried { light } => {
                 let [low, high] = light.each_ref().map(|light| light.quantities(grid));
                 let middle = seen.quantities(grid);
                 let of = |f: fn(f64, f64, f64) -> f64| {
@@ -281,7 +281,7 @@ mod tests {
         let [a, b] = lights();
         let whole = seen(&sum(&a, &b));
         let flux = |name: &str, light: &[f64]| {
-            let input = Input::Flux { light: seen(light), relative: 0.05 };
+            let input = InputEffect::Flux { light: seen(light), relative: 0.05 };
             Contribution::of(name, &whole, GRID, &input)
         };
         for r in [0.0, 0.8] {
@@ -323,7 +323,7 @@ mod tests {
         let whole = seen(&sum(&a, &b));
         let input = SpectralInput { relative: vec![0.03; GRID.bands()], correlation_nm: 40.0 };
         let spectrum: Vec<f64> = (0..GRID.bands()).map(|band| 2.0 + band as f64).collect();
-        let light = Input::LightSpectrum {
+        let light = InputEffect::LightSpectrum {
             light: seen(&a),
             spectrum: spectrum.clone(),
             input: input.clone(),
@@ -339,8 +339,10 @@ mod tests {
         assert_near(found.u, draws);
 
         // Light that goes as the cube of a reflectance.
-        let slope =
-            Input::Spectrum { slope: seen(&a.iter().map(|a| 3.0 * a).collect::<Vec<_>>()), input };
+        let slope = InputEffect::Spectrum {
+            slope: seen(&a.iter().map(|a| 3.0 * a).collect::<Vec<_>>()),
+            input,
+        };
         let found = Contribution::of("paint", &whole, GRID, &slope);
         let draws = drawn(|draw| {
             let light = a.iter().zip(chain(draw)).map(|(a, z)| a * (1.0 + 0.03 * z).powi(3));

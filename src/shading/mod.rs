@@ -101,7 +101,7 @@ impl std::ops::Add for TraceCounts {
 impl TraceCounts {
     /// What pictures lack, in words.
     pub fn warnings(&self) -> Vec<String> {
-        /// Of all camera rays: fewer show nowhere.
+        /// Share of all camera rays: fewer show nowhere.
         const TOLD: f64 = 1e-3;
         let Self { camera_rays, rays_cut, clash, .. } = *self;
         let mut warnings = Vec::new();

@@ -29,7 +29,7 @@ struct Veil {
 }
 
 impl Veil {
-    /// Of an object among the surfaces.
+    /// Place of an object among the surfaces.
     fn index(&mut self, object: usize) -> usize {
         self.surfaces.binary_search_by_key(&object, |entry| entry.0).unwrap_or_else(|at| {
             self.surfaces.insert(at, (object, 0));

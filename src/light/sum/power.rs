@@ -77,7 +77,7 @@ pub(crate) struct LobeSet {
     pub diffuse: Power,
     /// Those with k_s > 0.
     pub specular: Vec<Power>,
-    /// Of the sharpest lobe in any direction, as the exponent of a lobe about its axis.
+    /// Exponent of the sharpest lobe in any direction, as that of a lobe about its axis.
     pub largest_exponent: f64,
     /// Infinite without specular lobes.
     pub smallest_specular: f64,

@@ -54,7 +54,7 @@ impl Descent<'_> {
             half: self.query.side.is_half.then(|| self.query.side.view().as_vec3().into()),
             inverse_square: self.query.inverse_square,
         };
-        let mut state = State::new();
+        let mut state = DescentState::new();
         self.expand_octet(0, 0, &node_query, &mut state);
         while let Some(threshold) = self.threshold(&mut state) {
             let too_wrong = |leaf: &Leaf| f64::from(leaf.error) > threshold;
@@ -71,7 +71,7 @@ impl Descent<'_> {
     /// The error over which nodes are expanded; none once all of them are within the budget.
     ///
     /// Nodes that stay may take [`KEPT`] of the budget; the others' children have the rest.
-    fn threshold(&self, state: &mut State) -> Option<f64> {
+    fn threshold(&self, state: &mut DescentState) -> Option<f64> {
         if self.visible.is_some() {
             self.doubt_borders(state);
         }
@@ -106,7 +106,7 @@ impl Descent<'_> {
         weights / distance.max(1e-9).powi(2)
     }
 
-    fn expand(&self, leaf: Leaf, query: &NodeQuery, state: &mut State) {
+    fn expand(&self, leaf: Leaf, query: &NodeQuery, state: &mut DescentState) {
         let level = usize::from(leaf.level);
         if level + 1 < self.levels.levels.len() {
             self.expand_octet(level + 1, leaf.node as usize, query, state);
@@ -140,7 +140,13 @@ impl Descent<'_> {
     }
 
     /// Octets of a level are in the order of their parents.
-    fn expand_octet(&self, level: usize, octet: usize, query: &NodeQuery, state: &mut State) {
+    fn expand_octet(
+        &self,
+        level: usize,
+        octet: usize,
+        query: &NodeQuery,
+        state: &mut DescentState,
+    ) {
         let at = &self.levels.levels[level];
         let sums = eval_octet(&at.octets[octet], (at.grid, at.tables(octet)), query);
         state.nodes += 8;
@@ -171,7 +177,7 @@ impl Descent<'_> {
     }
 
     /// Where seen and hidden nodes touch, any of them may be hidden in part.
-    fn doubt_borders(&self, state: &mut State) {
+    fn doubt_borders(&self, state: &mut DescentState) {
         let shade = |leaf: &Leaf| {
             let (center, radius) = self.sphere(leaf);
             Shade { center, radius, is_seen: leaf.value > 0.0, is_hidden: leaf.hidden > 0.0 }
@@ -210,7 +216,7 @@ impl Shade {
     }
 }
 
-struct State {
+struct DescentState {
     leaves: Vec<Leaf>,
     expanded: Vec<Leaf>,
     /// Nodes that were summed sample by sample; only with shadows.
@@ -222,9 +228,9 @@ struct State {
     scratch: Option<Box<Scratch>>,
 }
 
-impl State {
-    fn new() -> State {
-        State {
+impl DescentState {
+    fn new() -> DescentState {
+        DescentState {
             leaves: Vec::with_capacity(256),
             expanded: Vec::with_capacity(64),
             settled: Vec::new(),

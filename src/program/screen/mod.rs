@@ -20,13 +20,13 @@ use tev::Tev;
 /// Pictures and text of one script, over all its runs.
 #[derive(Debug, Default)]
 pub struct Screen {
-    state: Mutex<State>,
+    state: Mutex<ScreenState>,
     changed: Condvar,
     tev: Mutex<Tev>,
 }
 
 #[derive(Debug, Default)]
-struct State {
+struct ScreenState {
     /// One more for each change.
     version: u64,
     run: u64,
@@ -34,7 +34,7 @@ struct State {
     renders: usize,
     status: Status,
     text: String,
-    pictures: Vec<Picture>,
+    pictures: Vec<ShownPicture>,
     /// As what the script saved each render last.
     looks: HashMap<usize, Looks>,
 }
@@ -58,13 +58,13 @@ pub enum Status {
 }
 
 #[derive(Debug)]
-struct Picture {
-    /// Of the run; `None` for one that was not rendered, but loaded.
+struct ShownPicture {
+    /// Its number in the run; `None` for one that was not rendered, but loaded.
     render: Option<usize>,
     name: String,
     /// Pixels of a row and rows of the whole picture.
     size: [usize; 2],
-    /// Of the whole picture's pixels along a side, to one that is shown.
+    /// Pixels of the whole picture, along a side, to one that is shown.
     shrink: usize,
     png: Arc<[u8]>,
     version: u64,
@@ -75,11 +75,11 @@ struct Picture {
 const MOST_TEXT: usize = 200_000;
 
 impl Screen {
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, ScreenState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn change(&self, change: impl FnOnce(&mut State)) {
+    fn change(&self, change: impl FnOnce(&mut ScreenState)) {
         let mut state = self.state();
         state.version += 1;
         change(&mut state);
@@ -145,7 +145,7 @@ impl Screen {
     pub fn saved(&self, render: Option<usize>, name: &str, look: &Look, raster: &output::Raster) {
         if let Some(render) = render {
             let mut state = self.state();
-            let State { run, looks, pictures, .. } = &mut *state;
+            let ScreenState { run, looks, pictures, .. } = &mut *state;
             let looks = looks.entry(render).or_default();
             if looks.run != *run {
                 *looks = Looks { run: *run, named: Vec::new() };
@@ -173,8 +173,9 @@ impl Screen {
         self.change(|state| {
             let (version, run) = (state.version, state.run);
             let name = name.to_owned();
-            let picture = Picture { render, name, size, shrink, png: png.into(), version, run };
-            let same = |p: &&mut Picture| p.render == render && p.name == picture.name;
+            let picture =
+                ShownPicture { render, name, size, shrink, png: png.into(), version, run };
+            let same = |p: &&mut ShownPicture| p.render == render && p.name == picture.name;
             match state.pictures.iter_mut().find(same) {
                 Some(place) => *place = picture,
                 None => state.pictures.push(picture),
@@ -185,7 +186,7 @@ impl Screen {
     /// What there is to see, once it is newer than `version`, or after `patience`.
     pub fn wait_for_news(&self, version: u64, patience: Duration) -> Value {
         let state = self.state();
-        let is_old = |state: &mut State| state.version <= version;
+        let is_old = |state: &mut ScreenState| state.version <= version;
         let waited = self.changed.wait_timeout_while(state, patience, is_old);
         waited.unwrap_or_else(PoisonError::into_inner).0.to_json()
     }
@@ -198,9 +199,9 @@ impl Screen {
     }
 }
 
-impl State {
+impl ScreenState {
     fn to_json(&self) -> Value {
-        let picture = |p: &Picture| {
+        let picture = |p: &ShownPicture| {
             json!({
                 "name": p.name, "width": p.size[0], "height": p.size[1], "shrink": p.shrink,
                 "version": p.version, "is_from_this_run": p.run == self.run,

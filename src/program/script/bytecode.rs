@@ -18,7 +18,7 @@ impl Code {
     /// `None` for a function that is not Lua's.
     pub fn of(function: &Function) -> Option<Self> {
         let dumped = function.dump(true);
-        let mut reader = Reader { rest: dumped.get(HEADER..)? };
+        let mut reader = BytecodeReader { rest: dumped.get(HEADER..)? };
         let mut code = Self { bytes: Vec::with_capacity(dumped.len()), texts: Vec::new() };
         code.add_function(&mut reader, false)?;
         reader.rest.is_empty().then_some(code)
@@ -26,7 +26,7 @@ impl Code {
 
     /// Lua 5.4's order (ldump.c): source, lines, parameters, instructions, constants, upvalues,
     /// functions, and what helps debuggers, of which nothing is left.
-    fn add_function(&mut self, reader: &mut Reader, is_inner: bool) -> Option<()> {
+    fn add_function(&mut self, reader: &mut BytecodeReader, is_inner: bool) -> Option<()> {
         reader.text()?;
         let _first_and_last_line = (reader.count()?, reader.count()?);
         self.bytes.extend(reader.take(3)?);
@@ -48,7 +48,7 @@ impl Code {
     }
 
     /// Kind, and value if the kind has more than one.
-    fn add_constant(&mut self, reader: &mut Reader) -> Option<()> {
+    fn add_constant(&mut self, reader: &mut BytecodeReader) -> Option<()> {
         let kind = reader.take(1)?[0];
         self.bytes.push(kind);
         match kind {
@@ -66,11 +66,11 @@ impl Code {
     }
 }
 
-struct Reader<'a> {
+struct BytecodeReader<'a> {
     rest: &'a [u8],
 }
 
-impl<'a> Reader<'a> {
+impl<'a> BytecodeReader<'a> {
     fn take(&mut self, count: usize) -> Option<&'a [u8]> {
         let (taken, rest) = self.rest.split_at_checked(count)?;
         self.rest = rest;

@@ -97,7 +97,7 @@ impl Content {
         values: impl IntoIterator<Item = &'a Value>,
     ) -> Option<Self> {
         let known = lua.app_data_ref::<Known>()?;
-        let mut reader = Reader {
+        let mut reader = ContentReader {
             lua,
             known: &known,
             hasher: Hasher::new(),
@@ -113,7 +113,7 @@ impl Content {
     }
 }
 
-struct Reader<'a> {
+struct ContentReader<'a> {
     lua: &'a Lua,
     known: &'a Known,
     hasher: Hasher,
@@ -123,7 +123,7 @@ struct Reader<'a> {
     meshes: Vec<Arc<Mesh>>,
 }
 
-impl Reader<'_> {
+impl ContentReader<'_> {
     fn add(&mut self, value: &Value) -> Option<()> {
         self.values += 1;
         if self.values > MOST_VALUES {

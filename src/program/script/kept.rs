@@ -22,17 +22,17 @@ const PATIENCE: u64 = 3;
 
 /// Results by the content of what they were made from.
 #[derive(Debug, Default)]
-pub struct Kept(Mutex<State>);
+pub struct Kept(Mutex<KeptResults>);
 
 #[derive(Debug, Default)]
-struct State {
+struct KeptResults {
     run: u64,
-    results: BTreeMap<Digest, Entry>,
+    results: BTreeMap<Digest, KeptEntry>,
     scenes: Vec<Arc<Prepared>>,
 }
 
 #[derive(Debug)]
-struct Entry {
+struct KeptEntry {
     things: Vec<Thing>,
     told: Told,
     /// So that their addresses, which are in the key, stay theirs.
@@ -41,7 +41,7 @@ struct Entry {
 }
 
 impl Kept {
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, KeptResults> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -66,7 +66,7 @@ impl Kept {
 
     fn put(&self, content: Content, things: Vec<Thing>, told: Told) {
         let mut state = self.state();
-        let entry = Entry { things, told, _meshes: content.meshes, last_run: state.run };
+        let entry = KeptEntry { things, told, _meshes: content.meshes, last_run: state.run };
         state.results.insert(content.key, entry);
     }
 }

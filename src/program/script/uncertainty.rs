@@ -16,7 +16,7 @@ use crate::image::{Region, SpectralImage};
 use crate::program::fields::Cell;
 use crate::program::intensity::{facing_sr, intensity_bands};
 use crate::program::results::BUDGET;
-use crate::program::uncertainty::{Contribution, Input, Seen, SpectralInput, combine};
+use crate::program::uncertainty::{Contribution, InputEffect, Seen, SpectralInput, combine};
 use crate::render::{Asked, Quality, mean_spectrum};
 use crate::spectrum::Spectrum;
 use crate::view::View;
@@ -132,7 +132,7 @@ fn correlations(value: &Value) -> mlua::Result<Vec<(String, String, f64)>> {
 }
 
 impl Asking<'_> {
-    fn input(&self, lua: &Lua, object: &str, given: UncertainInput) -> mlua::Result<Input> {
+    fn input(&self, lua: &Lua, object: &str, given: UncertainInput) -> mlua::Result<InputEffect> {
         if given.u.min() < 0.0 {
             return Err(Error::out_of_range(object, "\"u\"", given.u.min(), "0 or more").into());
         }
@@ -143,9 +143,9 @@ impl Asking<'_> {
         match (given.light, &given.spectrum, &given.scene, given.value) {
             (Some(light), None, None, None) => {
                 let light = self.light(object, light)?;
-                Ok(Input::Flux { light, relative: number_of(object, &given.u)? })
+                Ok(InputEffect::Flux { light, relative: number_of(object, &given.u)? })
             }
-            (Some(light), Some(spectrum), None, None) => Ok(Input::LightSpectrum {
+            (Some(light), Some(spectrum), None, None) => Ok(InputEffect::LightSpectrum {
                 light: self.light(object, light)?,
                 spectrum: spectrum.0.light_on_grid(self.quality.grid),
                 input: spectral(),
@@ -155,9 +155,9 @@ impl Asking<'_> {
                 let tried = [value - apart, value, value + apart];
                 let [low, middle, high] = self.tried(lua, object, scene, tried)?;
                 let light = [low, high].map(|tried| self.moved(&tried, &middle));
-                Ok(Input::Tried { light })
+                Ok(InputEffect::Tried { light })
             }
-            (None, None, Some(scene), None) => Ok(Input::Spectrum {
+            (None, None, Some(scene), None) => Ok(InputEffect::Spectrum {
                 slope: self.slope(&self.tried(lua, object, scene, FACTORS)?),
                 input: spectral(),
             }),

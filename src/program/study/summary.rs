@@ -109,7 +109,7 @@ mod tests {
         assert_eq!(probability(0, 0), None);
     }
 
-    /// Of ten values the median lies between the 2nd and the 9th with 1 − 2 (1 + 10)/2¹⁰; the largest
+    /// Among ten values the median lies between the 2nd and the 9th with 1 − 2 (1 + 10)/2¹⁰; the largest
     /// of 20 lies above the 95th percentile with 1 − 0.95²⁰, and nothing lies above the 100th.
     #[test]
     fn ranks_are_those_of_the_binomial_distribution() {

@@ -69,7 +69,7 @@ pub struct SweepOutcome {
     pub kept: usize,
     /// What the display cannot show of the pictures that were developed.
     pub gamut: GamutReport,
-    /// Of the views that were rendered.
+    /// Rays and sums of the views that were rendered.
     pub counts: TraceCounts,
 }
 

@@ -38,7 +38,7 @@ impl Counts {
 }
 
 /// What is to be true of indices: how many vertices stand before the piece, and how many there are.
-type Known = Option<(Counts, Counts)>;
+type KnownCounts = Option<(Counts, Counts)>;
 
 #[derive(Default)]
 pub(super) struct Piece<'a> {
@@ -55,12 +55,12 @@ pub(super) struct Piece<'a> {
     relative: Vec<u32>,
     relative_normals: Vec<u32>,
     pub free_forms: usize,
-    known: Known,
+    known: KnownCounts,
 }
 
 impl<'a> Piece<'a> {
     /// Errors: a statement that is none. Indices are checked only if it is `known` what they may be.
-    pub fn parse(bytes: &'a [u8], known: Known) -> Result<Self, PieceFault> {
+    pub fn parse(bytes: &'a [u8], known: KnownCounts) -> Result<Self, PieceFault> {
         let mut piece = Self { known, ..Self::default() };
         let mut scanner = Scanner::new(bytes);
         while !scanner.is_at_end() {
