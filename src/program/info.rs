@@ -190,13 +190,13 @@ fn rays(file: &RayFile) -> Vec<String> {
         SpectrumSource::Mixture { tables } => format!("spectrum: {tables} tables"),
     });
     let starts = Starts::of(&file.samples);
-    lines.extend(starts.lines());
     let surface =
         starts.surface.map(|fit| START_SURFACE.record(&(fit, starts.inner_source.is_none())));
     lines.push(match surface {
         Some(surface) => format!("start_surface: {surface}"),
         None => "start_surface: no point, plane, sphere or cylinder".to_owned(),
     });
+    lines.extend(starts.lines());
     lines.extend(file.description.iter().map(|(name, text)| format!("{name}: {text}")));
     lines.extend(file.warnings.iter().map(|warning| format!("warning: {warning}")));
     lines

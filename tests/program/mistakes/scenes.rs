@@ -75,7 +75,7 @@ pub const FAULTS: &[[&str; 3]] = &[
     [
         "misspelt function",
         "L.veiw {}",
-        "lampyris: unknown key \"veiw\", did you mean \"view\"? (keys: bulb, camera, cylinder, display, emitter, environment, figure, filament, fit_lobe, image, material, mesh, photometry, rayset, read, scene, spectrum, study, sweep, version, view, write)",
+        "lampyris: unknown key \"veiw\", did you mean \"view\"? (keys: bulb, camera, cylinder, display, emitter, environment, figure, filament, fit_lobe, image, keep, material, mesh, optical, photometry, rayset, read, scene, spectrum, study, sweep, version, view, write)",
     ],
     [
         "misspelt function of a table",
@@ -200,12 +200,12 @@ pub const FAULTS: &[[&str; 3]] = &[
     [
         "capital letters",
         "L.material { K_D = 1 }",
-        "material: unknown key \"K_D\", did you mean \"k_d\"? (keys: fresnel, ior, k, k_a, k_d, k_rg, k_s, k_tg, n, n_d, n_s, name, priority, reflectance, thickness, transmittance)",
+        "material: unknown key \"K_D\", did you mean \"k_d\"? (keys: fresnel, ior, k, k_a, k_d, k_rg, k_s, k_tg, lobe, n, n_d, n_s, name, priority, reflectance, thickness, transmittance)",
     ],
     [
         "glossiness of another program",
         "L.material { shininess = 10 }",
-        "material: unknown key \"shininess\", did you mean \"thickness\"? (keys: fresnel, ior, k, k_a, k_d, k_rg, k_s, k_tg, n, n_d, n_s, name, priority, reflectance, thickness, transmittance)",
+        "material: unknown key \"shininess\", did you mean \"thickness\"? (keys: fresnel, ior, k, k_a, k_d, k_rg, k_s, k_tg, lobe, n, n_d, n_s, name, priority, reflectance, thickness, transmittance)",
     ],
     [
         "mesh file that is missing",
