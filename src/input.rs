@@ -1,5 +1,8 @@
 //! Files to be read: looked at once they are open, and only inside of known folders.
 
+#[cfg(test)]
+pub(crate) mod mutation;
+
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};

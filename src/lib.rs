@@ -37,7 +37,8 @@
 //! store them, and summed in f32 lanes that are folded into f64. Images are stored in f32.
 //!
 //! Determinism: same inputs give the same bytes for any number of threads and any SIMD width, so
-//! no kernel's result depends on fused multiply-add or on the number of lanes.
+//! no kernel's result depends on fused multiply-add or on the number of lanes. sin, exp and pow are
+//! the C library's, and the same from machine to machine as far as they are.
 //!
 //! # Four walks
 //!

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::*;
+use crate::input::mutation;
 
 fn table(bytes: impl Into<Vec<u8>>) -> Result<Table> {
     Table::from_bytes(Path::new("t.csv"), bytes.into())
@@ -351,27 +352,8 @@ fn mutated_files_neither_panic_nor_hang() {
         b"Source M\nSymmetry P\nSpectralContent M\nScatterType B\nSampleRotation 1\n0\nAngleOfIncidence 1\n1\nScatterAzimuth 1\n0\nScatterRadial 2\n0 1\nMonochrome\nDataBegin\nTIS 1\n1 2\nDataEnd\n",
         b"VARS theta_i,phi_i,theta_s,phi_s,R\n45,0,40,180,1\n",
     ];
-    let mut state = 1u64;
-    let mut random = |below: usize| {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as usize % below
-    };
-    for round in 0..30_000 {
-        let seed = seeds[round % seeds.len()];
-        let mut bytes = seed.to_vec();
-        for _ in 0..=random(3) {
-            let at = random(bytes.len());
-            match random(4) {
-                0 => bytes[at] = random(256) as u8,
-                1 => bytes.truncate(at.max(1)),
-                2 => bytes.insert(at, b",;\t \n.-E\"9#<%S"[random(14)]),
-                _ => drop(bytes.drain(at..(at + 1 + random(8)).min(bytes.len()))),
-            }
-            if bytes.is_empty() {
-                bytes.push(b'1');
-            }
-        }
+    let seeds = seeds.map(<[u8]>::to_vec);
+    for bytes in mutation::broken(&seeds, 30_000, b",;\t \n.-E\"9#<%S") {
         if let Ok(table) = table(bytes) {
             let _ =
                 (table.curve(&TableChoice::default()), table.scatter(None), table.reading.lines());

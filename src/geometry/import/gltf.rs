@@ -51,8 +51,18 @@ pub(super) fn parse(bytes: &[u8], folder: &Path) -> MeshResult<Contents> {
     Ok(Contents { format, polygons, warnings })
 }
 
-/// The crate's checks trust that a primitive's accessors are there: that is seen to first.
+/// Bytes of a GLB header: mark, version, length of the file.
+const GLB_HEADER: u32 = 12;
+
+/// The crate's checks trust that a GLB file is no shorter than its header, and that a primitive's
+/// accessors are there: that is seen to first.
 fn document(bytes: &[u8]) -> std::result::Result<Gltf, String> {
+    if let [b'g', b'l', b'T', b'F', _, _, _, _, a, b, c, d, ..] = *bytes {
+        let length = u32::from_le_bytes([a, b, c, d]);
+        if length < GLB_HEADER {
+            return Err(format!("the header says that the file has {length} bytes"));
+        }
+    }
     let text = |error: gltf::Error| error.to_string();
     let Gltf { document, blob } = Gltf::from_slice_without_validation(bytes).map_err(text)?;
     let json = document.into_json();

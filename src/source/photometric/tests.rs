@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::*;
+use crate::input::mutation;
 
 fn read(text: &str) -> Result<PhotometricFile> {
     from_bytes(Path::new("lamp"), text.as_bytes().to_vec())
@@ -195,22 +196,8 @@ fn mutated_files_neither_panic_nor_hang() {
         lm63(3, &[-5.0, 0.0, 5.0], &[-5.0, 5.0], |_, _| 10.0),
         eulumdat(3, |_, _| 1.0)[..900].to_owned(),
     ];
-    let mut state = 7u64;
-    let mut random = |below: usize| {
-        state =
-            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as usize % below
-    };
-    for round in 0..10_000 {
-        let mut bytes = seeds[round % 3].clone().into_bytes();
-        for _ in 0..=random(3) {
-            let at = random(bytes.len());
-            match random(3) {
-                0 => bytes[at] = b"0123456789 .,-eE\r\n"[random(18)],
-                1 => bytes.truncate(at.max(1)),
-                _ => bytes.insert(at, b"0123456789 .,-eE\r\n"[random(18)]),
-            }
-        }
+    let seeds = seeds.map(String::into_bytes);
+    for bytes in mutation::broken(&seeds, 10_000, b"0123456789 .,-eE\r\n") {
         if let Ok(file) = from_bytes(Path::new("lamp"), bytes) {
             let rays = file.rays(FarField { radius_mm: 0.0, samples: 8, seed: 1 });
             assert!(rays.unwrap().samples.iter().all(|ray| ray.flux.is_finite()));
