@@ -78,11 +78,9 @@ function revolve.led_spectrum(peak, width)
   return lampyris.spectrum.new(pairs)
 end
 
---- Clear PMMA in terms of eq. 1: 4 % mirrored, 96 % passed on, and all of it in total reflection.
+--- Clear PMMA, with Fresnel's law.
 function revolve.pmma(options)
-  local given = {
-    reflectance = 1, transmittance = 1, ior = 1.49, k_rg = 0.04, k_tg = 0.96,
-  }
+  local given = { transmittance = 1, ior = 1.49, fresnel = true }
   for key, value in pairs(options or {}) do given[key] = value end
   return lampyris.material(given)
 end

@@ -156,11 +156,20 @@ struct FarLeaf {
     error: f64,
 }
 
+/// The centers and radii of leaves, close together: every leaf is held against all of the other kind.
+type Discs = Vec<(DVec3, f64)>;
+
+fn discs(leaves: &[FarLeaf], are_hidden: bool) -> Discs {
+    let of_kind = leaves.iter().filter(|leaf| leaf.is_hidden == are_hidden);
+    of_kind.map(|leaf| (leaf.center, leaf.radius)).collect()
+}
+
 impl FarLeaf {
-    fn borders_on(&self, other: &FarLeaf) -> bool {
-        let reach = self.radius + other.radius;
-        self.is_hidden != other.is_hidden
-            && self.center.distance_squared(other.center) <= reach * reach
+    fn touches_any(&self, discs: &Discs) -> bool {
+        discs.iter().any(|(center, radius)| {
+            let reach = self.radius + radius;
+            self.center.distance_squared(*center) <= reach * reach
+        })
     }
 }
 
@@ -177,7 +186,7 @@ impl FarDescent<'_> {
         let mut leaves = Vec::with_capacity(256);
         let mut nodes = 0;
         let most = MOST_NODES[usize::from(self.sight.is_some())];
-        self.push(Some(0), self.tree.branches[0].node, &mut leaves);
+        self.push(Some(0), &self.tree.branches[0].node, &mut leaves);
         loop {
             self.judge(&mut leaves);
             let (values, error) = totals(&leaves);
@@ -210,20 +219,20 @@ impl FarDescent<'_> {
         match halves {
             Some(halves) => {
                 for index in halves {
-                    self.push(Some(index), self.tree.branches[index as usize].node, leaves);
+                    self.push(Some(index), &self.tree.branches[index as usize].node, leaves);
                 }
             }
             None => {
                 let table = &self.tree.table;
                 for patch in leaf.patch.halves(table.cells) {
-                    self.push(None, make_node(self.dome, table, patch), leaves);
+                    self.push(None, &make_node(self.dome, table, patch), leaves);
                 }
             }
         }
     }
 
     /// Leaves out what sends nothing.
-    fn push(&self, index: Option<u32>, node: Node, leaves: &mut Vec<FarLeaf>) {
+    fn push(&self, index: Option<u32>, node: &Node, leaves: &mut Vec<FarLeaf>) {
         let sum = node.sum(self.lobes);
         if sum.most == 0.0 {
             return;
@@ -231,7 +240,7 @@ impl FarDescent<'_> {
         let is_judged = node.radius <= WIDEST_JUDGED;
         let is_seen = |sight: Sight| !is_judged || sight(node.mean_direction());
         let is_hidden = !self.sight.is_none_or(is_seen);
-        let Node { patch, center, radius, .. } = node;
+        let &Node { patch, center, radius, .. } = node;
         leaves.push(FarLeaf { index, patch, center, radius, sum, is_hidden, error: sum.error });
     }
 
@@ -243,7 +252,8 @@ impl FarDescent<'_> {
         if self.sight.is_none() {
             return;
         }
-        let touches = |leaf: &FarLeaf| leaves.iter().any(|other| leaf.borders_on(other));
+        let [seen, hidden] = [false, true].map(|are_hidden| discs(leaves, are_hidden));
+        let touches = |leaf: &FarLeaf| leaf.touches_any(if leaf.is_hidden { &seen } else { &hidden });
         let doubt = |leaf: &FarLeaf| if touches(leaf) { 0.5 * leaf.sum.most } else { 0.0 };
         let doubts: Vec<f64> = leaves.iter().map(doubt).collect();
         let squares: f64 = doubts.iter().map(|doubt| doubt * doubt).sum();
