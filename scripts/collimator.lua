@@ -20,7 +20,7 @@ local function outer_lens(half)
   local function bump(t, count)
     local cell = t * count
     local a = 2 * (cell - math.min(math.floor(cell), count - 1)) - 1
-    return 0.22 * (1 - a * a)
+    return 0.4 * (1 - a * a)
   end
   local function front(u, v)
     local x, y = place(u, v)
@@ -59,7 +59,7 @@ local function collimator()
   end
   local edge = 0 -- the angle at which the roof is as wide as the well
   while roof(edge) < well do edge = edge + 1e-4 end
-  local _, top = roof(edge)
+  local well_top, top = roof(edge)
   --- dz/dr of the wall at (r, z), from the ray that leaves the focus and meets it there.
   local function slope(r, z)
     local low, high = 0, math.pi / 2 - 1e-6
@@ -87,7 +87,7 @@ local function collimator()
   end
   return lampyris.mesh.merge {
     revolve.sheet(function(t) return roof(t * edge) end, steps, 16),
-    revolve.sheet(revolve.line(well, top, well, 0), steps, 8),
+    revolve.sheet(revolve.line(well_top, top, well, 0), steps, 8),
     revolve.sheet(revolve.line(well, 0, rim, 0), steps, 1),
     revolve.sheet(along_wall, steps, count),
     revolve.sheet(revolve.line(12, z, 0, z), steps, 8),
@@ -115,21 +115,21 @@ for row = -1, 1 do
     local at = { column * PITCH, row * PITCH, 0 }
     objects[#objects + 1] = { mesh = optic:transform { translate = at }, material = clear }
     lights[#lights + 1] = lampyris.emitter {
-      mesh = revolve.plate(at[1], at[2], 0, 1.6, 1.6), flux = 40, spectrum = led, samples = 200,
+      mesh = revolve.plate(at[1], at[2], 0, 1.6, 1.6), flux = 10, spectrum = led, samples = 200,
     }
   end
 end
 
 local scene = lampyris.scene {
   objects = objects, lights = lights, photometry = "absolute", shadows = true,
-  background = 2e-6,
+  background = revolve.sky(200),
 }
 
 local function shot(name, azimuth)
   return {
-    name = name,
+    name = name, exposure = { adaptation = 1000 },
     view = {
-      azimuth = azimuth, distance = 3000, target = { 0, 0, 20 }, fov = 1.9,
+      azimuth = azimuth, distance = 3000, target = { 0, 0, 20 }, fov = 2.4,
       width = width, height = width * 3 // 4,
     },
     quality = { samples = samples, max_depth = "auto", wavelength_step = 20 },

@@ -33,15 +33,17 @@ local rings = {}
 local function add_ring(way, depth) rings[#rings + 1] = { way = way, depth = depth or 0 } end
 for k = 0, 5 do add_ring(DEEP * k / 6) end
 for k = 0, 59 do add_ring(DEEP + arc * k / 60) end
--- Prisms of 45°, which turn light along the rod to the viewer; deeper toward the far end, where less
--- light is left.
+-- Prisms whose faces of 43° turn light along the rod to the viewer, and fall off steeply behind, so
+-- that light which sinks a little still reaches the next; deeper toward the far end, where less light
+-- is left.
 local prisms = math.floor(LONG / PRISM)
 for k = 0, prisms - 1 do
   local from = DEEP + arc + k * PRISM
   local depth = 0.25 + 0.65 * k / prisms
+  local rise, fall = depth / math.tan(math.rad(43)), 0.2 * depth
   add_ring(from)
-  add_ring(from + PRISM - 2 * depth)
-  add_ring(from + PRISM - depth, depth)
+  add_ring(from + PRISM - rise - fall)
+  add_ring(from + PRISM - fall, depth)
 end
 add_ring(total)
 
@@ -61,19 +63,24 @@ end
 local count = #rings - 1
 local function at_v(v) return math.min(math.floor(v * count + 0.5), count) end
 
+--- The angles around the rod: 8 steps over the strip, 40 over the rest.
+local function angle_of(k)
+  k = k % 48
+  if k <= 8 then return (k / 4 - 1) * STRIP end
+  return STRIP + (k - 8) / 40 * (2 * math.pi - 2 * STRIP)
+end
+
 -- The smooth part of the rod, all but the strip of prisms.
 local smooth = sheet.mesh {
   nu = 40, nv = count, columns = 1, rows = 1,
-  point = function(u, v)
-    return place(at_v(v), STRIP + u * (2 * math.pi - 2 * STRIP), 0)
-  end,
+  point = function(u, v) return place(at_v(v), angle_of(8 + math.floor(40 * u + 0.5)), 0) end,
 }
 -- The prisms: every ring breaks, and each face is flat across.
 local cuts = sheet.mesh {
   nu = 8, nv = count, columns = 1, rows = count,
   point = function(u, v)
     local ring = at_v(v)
-    local angle = (2 * u - 1) * STRIP
+    local angle = angle_of(math.floor(8 * u + 0.5) % 48)
     return place(ring, angle, rings[ring + 1].depth * math.min(1, 4 * (1 - math.abs(angle) / STRIP)))
   end,
 }
@@ -82,7 +89,7 @@ local function cap(ring, sign)
     nu = 48, nv = 2, columns = 1, rows = 1,
     point = function(u, v)
       local x, z = middle(rings[ring + 1].way)
-      local px, py, pz = place(ring, sign * 2 * math.pi * u, 0)
+      local px, py, pz = place(ring, angle_of(sign * math.floor(48 * u + 0.5)), 0)
       return x + (px - x) * (1 - v), py * (1 - v), z + (pz - z) * (1 - v)
     end,
   }
@@ -105,7 +112,7 @@ local scene = lampyris.scene {
       spectrum = revolve.led_spectrum(625, 18), samples = 100,
     },
   },
-  photometry = "absolute", shadows = true, background = 1e-9,
+  photometry = "absolute", shadows = true, background = revolve.sky(20),
 }
 
 local function shot(name, azimuth)

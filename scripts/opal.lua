@@ -52,6 +52,7 @@ end
 
 local scene = lampyris.scene {
   objects = objects, lights = lights, photometry = "absolute", shadows = true,
+  background = revolve.sky(20),
   interreflection = { bounces = 20, samples = bounced },
 }
 

@@ -85,15 +85,19 @@ function revolve.pmma(options)
   return lampyris.material(given)
 end
 
---- Renders the views of a lamp and prints the intensity of each.
+--- A sky behind a lamp, in cd/m² of daylight: 20 at dusk, 200 on a dark day.
+function revolve.sky(luminance)
+  local daylight = lampyris.spectrum.illuminant "D65"
+  return daylight * (luminance / select(2, daylight:xyz()))
+end
+
+--- Renders the views of a lamp as an eye sees them, and prints the intensity of each.
 function revolve.render(name, scene, views)
   for _, shot in ipairs(views) do
     local view = lampyris.view(shot.view)
     local image = scene:render(view, shot.quality)
     image:save(("%s_%s.exr"):format(name, shot.name))
-    image:save(("%s_%s.png"):format(name, shot.name), {
-      display = lampyris.display.srgb, exposure = "auto", gamut = "clip",
-    })
+    image:save(("%s_%s.png"):format(name, shot.name), { look = "seen", exposure = shot.exposure })
     print(("%s %s: %.4g cd"):format(name, shot.name, image:intensity()))
   end
 end

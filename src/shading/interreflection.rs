@@ -20,7 +20,7 @@ use crate::light::{HitQuery, LightTree, RaySample, RaySet};
 use crate::material::Lobes;
 use crate::scene::{Interreflection, InterreflectionReport, Light, MaterialId, Prepared, Scene};
 use crate::source::noise::relative_error;
-use crate::source::sequence::random;
+use crate::source::sequence::{EvenSequence, random};
 use crate::spectrum::{Bands, Spectrum, WavelengthGrid};
 
 /// Bands that the light is followed in; views take any grid.
@@ -144,15 +144,15 @@ impl PathStarts<'_> {
         PathStarts { light, until: running.collect(), paths }
     }
 
-    /// Evenly over the flux, into the samples' lobes.
-    fn ray(&self, path: usize, seed: u64) -> Option<Ray> {
+    /// Evenly over the flux, into the samples' lobes; `place`, `height` and `turn` from 0 to 1.
+    fn ray(&self, path: usize, [place, height, turn]: [f64; 3]) -> Option<Ray> {
         let total = *self.until.last()?;
-        let at = total * (path as f64 + random(seed, path as u64, 0)) / self.paths as f64;
+        let at = total * (path as f64 + place) / self.paths as f64;
         let index = self.until.partition_point(|until| *until <= at).min(self.until.len() - 1);
         let RaySet { samples, exponent, .. } = &self.light.rays;
-        let cos = (1.0 - random(seed, path as u64, 1)).powf(1.0 / (exponent + 1.0));
+        let cos = (1.0 - height).powf(1.0 / (exponent + 1.0));
         let axis = self.light.rays.world_direction(&samples[index]);
-        let direction = tilted(axis, cos, random(seed, path as u64, 2));
+        let direction = tilted(axis, cos, turn);
         Some(Ray { origin: self.light.rays.world_origin(&samples[index]), direction })
     }
 }
@@ -188,7 +188,13 @@ impl Follower<'_> {
     }
 
     fn follow(&self, starts: &PathStarts, (light, path): (usize, usize), groups: &mut Groups) {
-        let Some(ray) = starts.ray(path, self.asked.seed) else { return };
+        let seed = self.asked.seed;
+        let [height, turn, luck, _] = EvenSequence::new(seed).point(path as u32);
+        let place = random(seed, path as u64, 0);
+        let Some(ray) = starts.ray(path, [place, height, turn]) else { return };
+        // One number, even over the paths, says how far each goes: then next to no noise is left in
+        // how many go on. The sequence has 32 bits, which long paths would use up.
+        let mut luck = luck + 2f64.powi(-32) * (random(seed, path as u64, 1) - 0.5);
         let bands = self.tracer.tables.bands;
         let mut branch =
             self.off_its_emitter(Branch::from_light(ray, None, Bands::one(bands)), light);
@@ -205,12 +211,12 @@ impl Follower<'_> {
                 self.keep(r, (light, r.material.0, bounce), lm, groups);
             }
             // One of them goes on for all, as often as light is left of what arrived.
-            let chance =
-                |k: u64| random(self.asked.seed, path as u64, 8 + 4 * u64::from(bounce) + k);
+            let chance = |k: u64| random(seed, path as u64, 8 + 3 * u64::from(bounce) + k);
             let survival = (total / arriving).min(1.0);
-            if chance(3) >= survival {
+            if luck >= survival {
                 return;
             }
+            luck /= survival;
             let mut left = chance(0) * total;
             let next = returns.iter().find(|r| {
                 left -= r.lm;

@@ -6,7 +6,7 @@
 /// Every 2^m points from a multiple of 2^m on are even in all boxes of a power of two, in each
 /// dimension, and nearly so in each pair of them.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct EvenSequence {
+pub(crate) struct EvenSequence {
     shift: [u32; 4],
 }
 

@@ -112,6 +112,28 @@ fn a_right_angle_prism_mirrors_all_light() {
     assert!((seen - 1.0).abs() < SINGLE, "{seen}");
 }
 
+/// A straight rod whose walls a ray meets 50 times at 60°, past the critical 42.2°, before it leaves
+/// by the end at 30°.
+#[test]
+fn a_light_guide_of_50_total_reflections_loses_nothing() {
+    let width = 4.0;
+    let length = 50.0 * width / 30f64.to_radians().tan();
+    let rod = block(DVec3::new(-2.0, -2.0, -length), DVec3::new(2.0, 2.0, 0.0));
+    let view = View {
+        elevation_deg: 30.0,
+        target: DVec3::new(0.0, 0.0, -2.0),
+        fov_deg: 0.01,
+        ..pixel_view(0.0, 1.0)
+    };
+    let clear = Material { reflectance: Spectrum::constant(1.0), ..glass(1.49) };
+    let scene = surrounded(vec![(rod, clear)]);
+    let prepared = scene.clone().prepare().expect("a good scene");
+    let ways = trace_paths(&prepared, &view, &exact(64), [0.5, 0.5]).expect("good paths");
+    assert!((51..=52).contains(&ways.len()), "{} segments", ways.len());
+    let seen = f64::from(shoot(scene, &view, &exact(64)).pixel(0, 0)[40]);
+    assert!((seen - 1.0).abs() < SINGLE, "{seen}");
+}
+
 /// Two bodies that touch, T 0.5 and 1 per 10 mm, 10 mm each, at 40°.
 #[test]
 fn two_shot_lenses_are_one_glass_in_any_order_and_with_any_gap() {

@@ -12,6 +12,7 @@ mod interreflection;
 mod layers;
 mod lens_colors;
 mod light_check;
+mod measured_sources;
 mod mesh_files;
 mod stacks;
 mod stage;

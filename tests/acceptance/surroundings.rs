@@ -12,7 +12,7 @@ use lampyris::material::{
 };
 use lampyris::render::{Quality, Samples};
 use lampyris::scene::{Background, Scene, Shadows};
-use lampyris::shading::TraceLimits;
+use lampyris::shading::{Layers, TraceLimits};
 use lampyris::spectrum::{Spectrum, WavelengthGrid};
 use lampyris::view::View;
 
@@ -250,4 +250,101 @@ fn the_suns_shadow_has_its_soft_edge() {
         };
         assert!((found - expected).abs() < 0.01, "{x}: {found}, expected {expected}");
     }
+}
+
+/// A white ball on a floor under a picture and a sun, lit by a lamp of its own.
+fn ball_by_day(flux_lm: f64, environment: Option<Environment>) -> Scene {
+    let glossy = Material { k_rg: 0.05, lobes: specular(0.3, 300.0), ..material() };
+    let white = Material { lobes: diffuse(1.0, 1.0), ..material() };
+    let floor = rectangle(DVec3::Y * -10.0, DVec3::Z * 40.0, DVec3::X * 40.0);
+    let lamp = point_light(DVec3::new(0.0, 20.0, 20.0), DVec3::NEG_Y, flux_lm);
+    let dark = Background::Even(Spectrum::constant(0.0));
+    Scene {
+        background: environment.map_or(dark, |sky| Background::Environment(Arc::new(sky))),
+        photometry: Photometry::Absolute,
+        shadows: Shadows::On,
+        ..scene(vec![(ball(), glossy), (floor, white)], vec![lamp])
+    }
+}
+
+fn a_day() -> Environment {
+    let sun = SunPlace {
+        azimuth_deg: 40.0,
+        elevation_deg: 20.0,
+        illuminance_lx: None,
+        cct_k: None,
+    };
+    let day = Daylight {
+        kind: SkyKind::standard(12).unwrap(),
+        sun: Some(sun),
+        turbidity: 3.0,
+        cct_k: None,
+        ground: Spectrum::constant(0.2),
+        illuminance_lx: None,
+    };
+    day.environment().unwrap()
+}
+
+fn small_view() -> View {
+    View { width: 12, height: 9, fov_deg: 16.0, elevation_deg: 15.0, ..pixel_view(20.0, 120.0) }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits_by_day() {
+    let prepared = ball_by_day(1000.0, Some(a_day())).prepare().unwrap();
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| shoot_prepared(&prepared, &small_view(), &Quality::default()))
+    };
+    let one = with(1);
+    assert!(one.bands.iter().any(|&value| value > 0.0));
+    for threads in [2, 5] {
+        assert!(with(threads) == one, "{threads} threads");
+    }
+}
+
+/// The lamp's layer is the lamp in the dark, the surroundings' is the day without the lamp.
+#[test]
+fn lit_and_unlit_are_layers_of_one_picture() {
+    let quality = |layers| Quality { layers, ..quality(2) };
+    let shot = |scene, layers| shoot(scene, &small_view(), &quality(layers));
+    let lit = shot(ball_by_day(1000.0, Some(a_day())), Layers::Lights);
+    let unlit = shot(ball_by_day(1e-9, Some(a_day())), Layers::None);
+    let dark = shot(ball_by_day(1000.0, None), Layers::None);
+    let layers: Vec<SpectralImage> = lit.layers.iter().map(|layer| lit.layer(layer)).collect();
+    let [lamp, day] = &layers[..] else { panic!("{} layers", layers.len()) };
+    let largest = lit.bands.iter().copied().fold(0.0, f32::max);
+    let is_near = |a: &f32, b: &f32| (a - b).abs() <= 1e-5 * largest;
+    assert!(lamp.bands.iter().zip(&dark.bands).all(|(a, b)| is_near(a, b)), "lamp");
+    assert!(day.bands.iter().zip(&unlit.bands).all(|(a, b)| is_near(a, b)), "day");
+}
+
+/// A picture that this program wrote is the surroundings that it was taken of.
+#[test]
+fn an_exr_of_a_script_becomes_surroundings() {
+    let folder = scratch("environment_exr");
+    std::fs::create_dir_all(&folder).unwrap();
+    let script = folder.join("sky.lua");
+    let text = r#"
+        local lampyris = require "lampyris"
+        local white = lampyris.spectrum.illuminant "D65"
+        local _, Y = white:xyz()
+        local empty = lampyris.scene {
+          objects = {}, photometry = "absolute", background = white * (500 / Y),
+        }
+        empty:render(lampyris.view { width = 16, height = 8 }, { samples = 1 }):save("sky.exr")
+        local function check(found, expected, what)
+          assert(math.abs(found / expected - 1) < 2e-3, ("%s: %g, not %g"):format(what, found, expected))
+        end
+        local sky = lampyris.environment.load("sky.exr")
+        check(sky:illuminance(), math.pi * 500, "level")
+        check(sky:illuminance { 1, 0, 0 }, math.pi * 500, "upright")
+        local bright = lampyris.environment.load("sky.exr", { illuminance = 20000, rotate = 90 })
+        check(bright:illuminance(), 20000, "as asked")
+        local seen = lampyris.scene { objects = {}, photometry = "absolute", background = bright }
+        local image = seen:render(lampyris.view { width = 2, height = 2 }, { samples = 1 })
+        check(image:luminance(), 20000 / math.pi, "seen")
+    "#;
+    std::fs::write(&script, text).unwrap();
+    run_script(&script, &folder, &[]);
 }
