@@ -11,11 +11,11 @@ local model = require "model"
 local lamp = require "lamp"
 
 local is_tiny = arg[1] == "tiny"
-local width = is_tiny and 12 or tonumber(arg[1]) or 400
+local width = is_tiny and 12 or tonumber(arg[1]) or 280
 local coarseness = is_tiny and 16 or tonumber(arg[2]) or 2
 local samples = is_tiny and 200 or tonumber(arg[3]) or 100000
 local quality = {
-  samples = is_tiny and 1 or 4, light_error = 0.1, max_depth = 6, wavelength_step = 20,
+  samples = is_tiny and 1 or 2, light_error = 0.1, max_depth = 6, wavelength_step = 20,
 }
 
 -- The days, both from CIE daylight. A low sun stands behind the viewer, a little to the right.
@@ -98,12 +98,10 @@ local function stage(options)
   return built, objects
 end
 
-local function save(image, name, white)
+--- The picture as an eye sees it that is adapted to this luminance.
+local function save(image, name, adaptation)
   image:save(name .. ".exr")
-  local _, display_white = lampyris.display.srgb:xyz(255, 255, 255)
-  image:save(name .. ".png", {
-    exposure = display_white / white, gamut = "desaturate", tone = "photographic",
-  })
+  image:save(name .. ".png", { look = "seen", exposure = { adaptation = adaptation } })
 end
 
 for _, gamut in ipairs { "srgb", "p3" } do
@@ -125,9 +123,9 @@ for _, options in ipairs { require "model1", require "model3" } do
     local unlit = scene(objects, {}, day.background):render(view, quality)
     local lit = unlit + lit_lamp
     local name = ("%s_%s"):format(built.name, day.name)
-    local white = day.background:illuminance { 0, 0, 1 } / math.pi
-    save(unlit, name .. "_unlit", white)
-    save(lit, name .. "_lit", white)
+    local adaptation = unlit:luminance()
+    save(unlit, name .. "_unlit", adaptation)
+    save(lit, name .. "_lit", adaptation)
     print(("  %s: %s"):format(day.name, day.background))
     for k, chamber in ipairs(built.chambers) do
       local region, area_mm2 = chamber_region(chamber)

@@ -91,14 +91,18 @@ function revolve.sky(luminance)
   return daylight * (luminance / select(2, daylight:xyz()))
 end
 
---- Renders the views of a lamp as an eye sees them, and prints the intensity of each.
+--- Renders the views of a lamp as an eye sees them, and prints the intensity of each, without the sky.
 function revolve.render(name, scene, views)
   for _, shot in ipairs(views) do
-    local view = lampyris.view(shot.view)
-    local image = scene:render(view, shot.quality)
+    shot.quality.layers = "lights"
+    local layered = scene:render(lampyris.view(shot.view), shot.quality)
+    local image, candela = 1 * layered, 0
+    for layer, of_light in pairs(layered.layers) do
+      if layer ~= "surroundings" then candela = candela + of_light:intensity() end
+    end
     image:save(("%s_%s.exr"):format(name, shot.name))
     image:save(("%s_%s.png"):format(name, shot.name), { look = "seen", exposure = shot.exposure })
-    print(("%s %s: %.4g cd"):format(name, shot.name, image:intensity()))
+    print(("%s %s: %.4g cd"):format(name, shot.name, candela))
   end
 end
 

@@ -6,19 +6,20 @@
 local lampyris = require "lampyris"
 local paper = require "paper"
 local revolve = require "revolve"
+local test_lamp = require "test_lamp"
 
 local white = lampyris.spectrum.blackbody(2856)
 local report = paper.report("truth", "Against physics")
 
 --- Intensity toward (h, v) degrees, from so far that all rays are parallel; `half` is half of the
--- square that is seen.
+-- square that is seen, about (0, 0, z): all of the lamp has to be in it from every direction.
 local function intensity(scene, h, v, half, quality)
   local side = paper.size(quality.side or 400, 40)
   local image = scene:render(lampyris.view {
     azimuth = h, elevation = v, distance = 1e6, target = { 0, 0, quality.z or 0 },
     fov = math.deg(2 * math.atan(half / 1e6)), width = side, height = side,
   }, {
-    samples = quality.samples or 1, max_depth = "auto", wavelength_step = 20,
+    samples = paper.size(quality.samples or 1, 1), max_depth = "auto", wavelength_step = 20,
     min_throughput = 1e-4, light_error = 0.003,
   })
   return image:intensity()
@@ -33,79 +34,69 @@ end
 -- The test lamp: a paraboloid of f = 25 mm, r from 12 to 60, reflectance 0.9, and a cylinder of
 -- 440 lm along x in its focus. ---------------------------------------------------------------------
 
-local around, along = paper.size(480, 60), paper.size(120, 15)
-local function paraboloid(t)
-  local r = 60 - t * 48
-  return r, r * r / 100
-end
+local bowl, filament = test_lamp.bowl(paper.size(480, 60)), test_lamp.filament
 local mirror = lampyris.material { name = "mirror", reflectance = 0.9, k_rg = 1 }
-local function filament(options)
-  local given = {
-    center = { 0, 0, 25 }, axis = { 1, 0, 0 }, radius = 0.5, length = 5.5, flux = 440,
-    spectrum = white, samples = paper.size(20000, 1000), visible = true,
-  }
-  for key, value in pairs(options or {}) do given[key] = value end
-  return lampyris.cylinder(given)
-end
-local bowl = revolve.sheet(paraboloid, around, along)
 
 local function lamp(objects, light)
   return lampyris.scene {
     objects = objects, lights = { light }, photometry = "absolute", shadows = false,
   }
 end
-local bare = lamp({ { mesh = bowl, material = mirror } }, filament())
+local few = paper.size(20000, 1000) -- light samples, of which a scene of mirrors has no need
+local bare = lamp({ { mesh = bowl, material = mirror } }, filament { samples = few })
 
+-- Directions, and a path tracer's intensities: smooth and rough mirror, without and with lens; last
+-- those of exact surfaces in place of meshes, smooth with lens, within 0.5 % (2 cd at least).
 local printed = {
-  { 0, 0, 75460, 4031 }, { 2, 0, 34127, 3915 }, { 4, 0, 13999, 3246 }, { 6, 0, 137, 2146 },
-  { 10, 0, 42, 211 }, { 0, 4, 41, 3908 }, { 6, 4, 41, 2213 }, { 15, 4, 46, 114 },
-  { 20, 4, 39, 33 },
+  { 0, 0, 75460, 25817, 4031, 3963, 4022 }, { 2, 0, 34127, 19385, 3915, 3791, 3910 },
+  { 4, 0, 13999, 8124, 3246, 3156, 3288 }, { 6, 0, 137, 1771, 2146, 2121, 2143 },
+  { 10, 0, 42, 44, 211, 323, 213.1 }, { 0, 4, 41, 964, 3908, 3537, 3891 },
+  { 6, 4, 41, 109, 2213, 2011, 2213 }, { 15, 4, 46, 46, 114, 112, 107.0 },
+  { 20, 4, 39, 39, 33, 33, 33.5 },
 }
 local directions = paper.is_tiny and { printed[1] } or printed
-compare("Test lamp without lens, smooth mirror, cd:", { "H", "V", "ours", "reference", "ratio" },
+local headings = { "H", "V", "ours", "reference", "ratio" }
+compare("Test lamp without lens, smooth mirror, cd:", headings, paper.map(directions, function(d)
+  return { d[1], d[2], intensity(bare, d[1], d[2], 63, { z = 30, samples = 9 }), d[3] }
+end))
+
+-- What the rough mirror sends is a sum over light samples, without noise; the source itself is seen
+-- by rays, of which more are needed.
+local rough = lampyris.material {
+  name = "rough", reflectance = 0.9, k_s = 1, n_s = 1500, lobe = "half",
+}
+local hidden = filament { visible = false, samples = paper.size(200000, 1000) }
+local itself = lamp({}, filament { samples = few })
+local bare_rough = lamp({ { mesh = bowl, material = rough } }, hidden)
+compare("Test lamp without lens, rough mirror, cd:", headings, paper.map(directions, function(d)
+  local direct = intensity(itself, d[1], d[2], 3, { z = 25, samples = 9 })
+  return { d[1], d[2], direct + intensity(bare_rough, d[1], d[2], 63, { z = 30, side = 120 }), d[4] }
+end))
+
+local lens, pillows = revolve.pmma { name = "lens" }, test_lamp.lens(paper.size(24, 4))
+local with_lens = lamp({
+  { mesh = bowl, material = mirror }, { mesh = pillows, material = lens },
+}, filament { samples = few })
+--- Rays that meet the source are few where it is dim: of 4 million 4,000 at 210 cd, 1.5 % of noise.
+local function with_all(reference)
+  return { z = 55, side = 500, samples = reference > 1000 and 4 or 16 }
+end
+report:note("Test lamp with lens, smooth mirror, cd; last the ratio to exact surfaces:")
+report:table({ "H", "V", "ours", "reference", "ratio", "exact", "ratio" },
   paper.map(directions, function(d)
-    return { d[1], d[2], intensity(bare, d[1], d[2], 63, { z = 30, samples = 9 }), d[3] }
+    local ours = intensity(with_lens, d[1], d[2], 83, with_all(d[5]))
+    return { d[1], d[2], ours, d[5], ours / d[5], d[7], ours / d[7] }
   end))
 
---- A clear plate with square pillows of 9 mm behind, and the normals of each.
-local function pillow_lens()
-  local sheet = require "sheet"
-  local cells = { columns = 14, rows = 14 }
-  local per_cell = paper.size(24, 4)
-  local function bump(t)
-    local cell = t * 14
-    local a = 2 * (cell - math.min(math.floor(cell), 13)) - 1
-    return 0.5 * (1 - a * a)
-  end
-  local n = 14 * per_cell
-  local function front(u, v) return 126 * u - 63, 126 * v - 63, 75 end
-  local function back(u, v) return 126 * u - 63, 126 * v - 63, 72 - bump(u) - bump(v) end
-  local inside = { point = back, nu = n, nv = n, columns = 14, rows = 14 }
-  local function rim(at)
-    return {
-      nu = n, nv = 1, columns = 1, rows = 1,
-      point = function(s, t)
-        local u, v = at(s)
-        local x, y, z = back(u, v)
-        return x, y, z + t * (75 - z)
-      end,
-    }
-  end
-  return sheet.merged_mesh {
-    { point = front, nu = n, nv = n, columns = 1, rows = 1 },
-    sheet.turned(inside),
-    rim(function(s) return s, 0 end), rim(function(s) return 1, s end),
-    rim(function(s) return 1 - s, 1 end), rim(function(s) return 0, 1 - s end),
-  }
-end
-local lens = revolve.pmma { name = "lens" }
-local with_lens = lamp({
-  { mesh = bowl, material = mirror }, { mesh = pillow_lens(), material = lens },
-}, filament())
-compare("Test lamp with lens, smooth mirror, cd:", { "H", "V", "ours", "reference", "ratio" },
-  paper.map(directions, function(d)
-    return { d[1], d[2], intensity(with_lens, d[1], d[2], 63, { z = 30, side = 700 }), d[4] }
-  end))
+local through_lens = lamp({ { mesh = pillows, material = lens } }, filament { samples = few })
+local lens_rough = lamp({
+  { mesh = bowl, material = rough }, { mesh = pillows, material = lens },
+}, hidden)
+compare("Test lamp with lens, rough mirror, cd:", headings, paper.map(directions, function(d)
+  local direct = intensity(through_lens, d[1], d[2], 83, with_all(d[6]))
+  local ours = direct + intensity(lens_rough, d[1], d[2], 83, { z = 55, side = 150 })
+  return { d[1], d[2], ours, d[6] }
+end))
 
 -- The TIR collimator over an LED of 1 × 1 mm and 100 lm. --------------------------------------------
 
@@ -177,8 +168,8 @@ local function true_rays(count)
   return { positions = positions, directions = ways, flux = 440, spectrum = white }
 end
 local given = true_rays(paper.size(100000, 2000))
-local rough = lampyris.material { name = "rough", reflectance = 0.9, k_s = 1, n_s = 1500 }
-local function rough_lamp(light) return lamp({ { mesh = bowl, material = rough } }, light) end
+local about_mirror = lampyris.material { name = "rough", reflectance = 0.9, k_s = 1, n_s = 1500 }
+local function rough_lamp(light) return lamp({ { mesh = bowl, material = about_mirror } }, light) end
 local reference = rough_lamp(filament { visible = false, samples = paper.size(50000, 1000) })
 local as_lambert = rough_lamp(lampyris.rayset.new(given))
 given.exponent = 300
@@ -217,25 +208,28 @@ local box = lampyris.scene {
     },
   },
   photometry = "absolute", shadows = true,
-  interreflection = { bounces = 60, samples = paper.size(100000, 2000) },
+  interreflection = { bounces = 60, samples = paper.size(200000, 2000) },
 }
 local cells = 8
 local image = box:render(lampyris.view {
   distance = 1e6, target = { 0, 0, 10 }, fov = math.deg(2 * math.atan(20 / 1e6)),
-  width = cells * paper.size(8, 1), height = cells * paper.size(8, 1),
-}, { samples = 1, light_error = 0.01, wavelength_step = 20 })
-local sum, darkest, brightest = 0, math.huge, 0
+  width = cells * paper.size(4, 1), height = cells * paper.size(4, 1),
+}, { samples = 1, light_error = 0.05, wavelength_step = 20 })
+local sum, corners, middle = 0, 0, 0
 local side = image.width // cells
 for i = 0, cells - 1 do
   for j = 0, cells - 1 do
     local luminance = image:luminance { x = i * side, y = j * side, width = side, height = side }
+    -- How far from the middle, in cells: 0 to 3 each way.
+    local a, b = math.abs(i - 3.5) - 0.5, math.abs(j - 3.5) - 0.5
     sum = sum + luminance / (cells * cells)
-    darkest, brightest = math.min(darkest, luminance), math.max(brightest, luminance)
+    if a + b == 0 then middle = middle + luminance end
+    if a + b == 6 then corners = corners + luminance end
   end
 end
 compare("Opal box:", { "", "ours", "reference", "ratio" }, {
   { "flux out", math.pi * sum * 0.04 * 0.04 / 100, 0.659 },
-  { "darkest over brightest of 8 × 8 cells", darkest / brightest, 0.168 },
+  { "the four darkest over the four brightest of 8 × 8 cells", corners / middle, 0.1697 },
 })
 
 return report

@@ -72,12 +72,31 @@ const FIGURES: [&str; 15] = [
 ];
 
 /// Scripts that print tables.
-const TABLES: [&str; 8] =
-    ["daylight", "table2", "table3", "table4", "table5", "stability", "bench", "truth"];
+const TABLES: [&str; 9] = [
+    "daylight",
+    "table2",
+    "table3",
+    "table4",
+    "table5",
+    "stability",
+    "bench",
+    "truth",
+    "time_to_error",
+];
 
 /// What the others require, and the page of them all.
-const SHARED: [&str; 9] =
-    ["all", "closed_form", "crt", "lamp", "model", "paper", "prediction", "revolve", "sheet"];
+const SHARED: [&str; 10] = [
+    "all",
+    "closed_form",
+    "crt",
+    "lamp",
+    "model",
+    "paper",
+    "prediction",
+    "revolve",
+    "sheet",
+    "test_lamp",
+];
 
 /// Lamps of today, with the arguments that make them small.
 const LAMPS: [(&str, &[&str]); 3] = [
