@@ -1,4 +1,4 @@
--- CPU time for an error of luminance: the test lamp of docs/truth.md with its lens, smooth mirror and
+-- CPU time for an error of luminance: the test lamp of docs/truth.md with its lens, rough mirror and
 -- visible source.
 --
 --   lampyris run scripts/time_to_error.lua [-- WIDTH [REFERENCE_SAMPLES]]    or: [-- tiny]
@@ -16,13 +16,15 @@ local reference_samples = paper.is_tiny and 32 or tonumber(arg[2]) or 400
 local report = paper.report("time_to_error", "CPU time for an error of luminance")
 
 local began = os.clock()
-local mirror = lampyris.material { name = "mirror", reflectance = 0.9, k_rg = 1 }
+local mirror = lampyris.material {
+  name = "mirror", reflectance = 0.9, k_s = 1, n_s = 1500, lobe = "half",
+}
 local scene = lampyris.scene {
   objects = {
     { mesh = test_lamp.bowl(paper.size(480, 60)), material = mirror },
     { mesh = test_lamp.lens(paper.size(24, 4)), material = revolve.pmma { name = "lens" } },
   },
-  lights = { test_lamp.filament { samples = 1000 } }, photometry = "absolute", shadows = false,
+  lights = { test_lamp.filament { samples = paper.size(100000, 1000) } }, photometry = "absolute", shadows = false,
 }
 local view = lampyris.view {
   distance = 3000, target = { 0, 0, 75 }, fov = 2.6, width = width, height = width * 3 // 4,

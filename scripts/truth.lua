@@ -57,7 +57,7 @@ local printed = {
 local directions = paper.is_tiny and { printed[1] } or printed
 local headings = { "H", "V", "ours", "reference", "ratio" }
 compare("Test lamp without lens, smooth mirror, cd:", headings, paper.map(directions, function(d)
-  return { d[1], d[2], intensity(bare, d[1], d[2], 63, { z = 30, samples = 9 }), d[3] }
+  return { d[1], d[2], intensity(bare, d[1], d[2], 63, { z = 30, samples = 4 }), d[3] }
 end))
 
 -- What the rough mirror sends is a sum over light samples, without noise; the source itself is seen
@@ -110,7 +110,7 @@ local angles = { { 0, 30.6 }, { 2, 101.6 }, { 6, 280.5 }, { 10, 367.9 }, { 15, 2
 if paper.is_tiny then angles = { angles[4] } end
 compare("TIR collimator, cd:", { "angle", "ours", "reference", "ratio" },
   paper.map(angles, function(a)
-    return { a[1], intensity(collimator, a[1], 0, 16, { z = 10, side = 500, samples = 4 }), a[2] }
+    return { a[1], intensity(collimator, a[1], 0, 16, { z = 10, side = 300, samples = 4 }), a[2] }
   end))
 
 -- A light guide of 50 total reflections. -------------------------------------------------------------

@@ -183,7 +183,7 @@ fn random_room(seed: u32, shadows: Shadows) -> Prepared {
         }),
         ..scene(objects, vec![light])
     };
-    shading::prepare(scene).expect("a good scene")
+    shading::prepare(scene, &[]).expect("a good scene")
 }
 
 /// Thousands of samples all around a hit, many of them near it, keep the bound of their sum.
