@@ -253,7 +253,8 @@ impl FarDescent<'_> {
             return;
         }
         let [seen, hidden] = [false, true].map(|are_hidden| discs(leaves, are_hidden));
-        let touches = |leaf: &FarLeaf| leaf.touches_any(if leaf.is_hidden { &seen } else { &hidden });
+        let touches =
+            |leaf: &FarLeaf| leaf.touches_any(if leaf.is_hidden { &seen } else { &hidden });
         let doubt = |leaf: &FarLeaf| if touches(leaf) { 0.5 * leaf.sum.most } else { 0.0 };
         let doubts: Vec<f64> = leaves.iter().map(doubt).collect();
         let squares: f64 = doubts.iter().map(|doubt| doubt * doubt).sum();

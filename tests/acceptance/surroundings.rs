@@ -268,12 +268,8 @@ fn ball_by_day(flux_lm: f64, environment: Option<Environment>) -> Scene {
 }
 
 fn a_day() -> Environment {
-    let sun = SunPlace {
-        azimuth_deg: 40.0,
-        elevation_deg: 20.0,
-        illuminance_lx: None,
-        cct_k: None,
-    };
+    let sun =
+        SunPlace { azimuth_deg: 40.0, elevation_deg: 20.0, illuminance_lx: None, cct_k: None };
     let day = Daylight {
         kind: SkyKind::standard(12).unwrap(),
         sun: Some(sun),
