@@ -94,7 +94,7 @@ local lens_rough = lamp({
 }, hidden)
 compare("Test lamp with lens, rough mirror, cd:", headings, paper.map(directions, function(d)
   local direct = intensity(through_lens, d[1], d[2], 83, with_all(d[6]))
-  local ours = direct + intensity(lens_rough, d[1], d[2], 83, { z = 55, side = 150 })
+  local ours = direct + intensity(lens_rough, d[1], d[2], 83, { z = 55, side = 250 })
   return { d[1], d[2], ours, d[6] }
 end))
 
