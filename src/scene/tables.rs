@@ -84,7 +84,7 @@ pub struct MaterialTables {
 /// An index of refraction at the bands of one grid.
 #[derive(Debug, Clone)]
 pub struct Index {
-    /// At [`DIRECTIONS_NM`], which directions follow.
+    /// At 587.6 nm, helium's d line, which directions follow.
     pub at_d: f64,
     /// At every band.
     pub bands: Bands,

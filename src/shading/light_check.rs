@@ -12,7 +12,7 @@ use crate::statistics::percentile;
 
 /// Errors of the light sums at some hits, relative to the exact sum.
 ///
-/// Sums below [`DARK`] of the largest one are taken for that much: what is so dark is rounding.
+/// Sums below 10⁻⁹ of the largest one are taken for that much: what is so dark is rounding.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightCheck {
     /// Sums compared: one per side of a hit and light that shine.

@@ -1,6 +1,6 @@
 //! Mesh files as CAD systems write them, told apart by content.
 //!
-//! Each reader fills [`Polygons`]; what follows is the same for all: choice of parts, welding,
+//! Each reader fills `Polygons`; what follows is the same for all: choice of parts, welding,
 //! cutting into triangles, normals.
 
 mod encoding;

@@ -3,11 +3,11 @@
 //! Bindings turn Lua values into the plain types of the other modules, call one function, and hand
 //! back an immutable handle. They are the only place that knows Lua.
 //!
-//! To add an option: write its row into the record of the binding (`options! { … }`; [`record`] shows
-//! what comes from it) and use the field. Its kind ([`kinds`]) reads it, with the message that a
+//! To add an option: write its row into the record of the binding (`options! { … }`; `record` shows
+//! what comes from it) and use the field. Its kind (`kinds`) reads it, with the message that a
 //! wrong value gets. To add a result: write its row into the list in `program::results`. Then
 //! `MAKE_REF=1 cargo test --lib annotations` writes the annotations and `docs/options.md` anew. To
-//! add a method or function: write it into its handle's or table's list ([`members`]), which also
+//! add a method or function: write it into its handle's or table's list (`members`), which also
 //! names it in messages, and its annotation by hand: a test compares the two.
 
 mod annotations;
