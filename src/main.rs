@@ -16,7 +16,7 @@ use lampyris::program::develop::develop_files;
 use lampyris::program::progress::Verbosity;
 use lampyris::program::script::{self, ScriptFault, Settings};
 use lampyris::program::sweep::{self, Shard};
-use lampyris::program::{diff, info, memory, study, watch};
+use lampyris::program::{archive, diff, info, memory, study, watch};
 
 /// Predicts what a lit lamp looks like and how bright it is, wavelength by wavelength.
 ///
@@ -116,6 +116,29 @@ enum Command {
         #[arg(long, value_name = "DIR")]
         into: Option<PathBuf>,
     },
+    /// Put a sweep or study, its script and all that it read into one file
+    Pack {
+        /// Folder of the sweep or study
+        folder: PathBuf,
+        /// Where its script lies [default: near the working directory or the folder]
+        #[arg(long, value_name = "SCRIPT")]
+        script: Option<PathBuf>,
+        /// The archive [default: the folder's name with .tar, in the working directory]
+        #[arg(long, value_name = "FILE")]
+        into: Option<PathBuf>,
+    },
+    /// Make the experiment of an archive again, and say whether it is the same
+    ///
+    /// It is unpacked and made in --out, which must be new or empty, and reads nothing else.
+    /// Exit status: 0 if it is the same, 1 if it is not or the archive is none.
+    Replay {
+        archive: PathBuf,
+        #[command(flatten)]
+        options: RunOptions,
+        /// Largest relative difference of numbers on record that counts as the same [default: 0]
+        #[arg(long, value_name = "SHARE", value_parser = tolerance_from_text)]
+        tolerance: Option<f64>,
+    },
     /// Name every difference of two folders of sweeps or studies
     ///
     /// Exit status: 0 if there is none, 1 if there are some or the folders do not read.
@@ -196,6 +219,21 @@ fn main() -> ExitCode {
         },
         Command::Verify { manifest, script } => verify(&manifest, script.as_deref()),
         Command::Diff { a, b } => diff(&a, &b),
+        Command::Pack { folder, script, into } => pack(&folder, script.as_deref(), into),
+        Command::Replay { archive, options, tolerance } => {
+            let mut code = ExitCode::SUCCESS;
+            let ran = options.start(|settings| {
+                let (replayed, is_same) = replay(&archive, settings, tolerance)?;
+                code = if is_same {
+                    say(&replayed)
+                } else {
+                    say(&replayed);
+                    ExitCode::from(FAILED)
+                };
+                Ok(())
+            });
+            if ran == ExitCode::SUCCESS { code } else { ran }
+        }
         Command::Merge { folders, into } => {
             let into = into.as_ref().unwrap_or(&folders[0]); // clap asks for one at least
             let is_study = folders.iter().any(|folder| study::is_study(folder));
@@ -275,6 +313,42 @@ impl RunOptions {
             }
         }
     }
+}
+
+fn pack(folder: &Path, script: Option<&Path>, into: Option<PathBuf>) -> ExitCode {
+    let name = folder.file_name().unwrap_or("experiment".as_ref());
+    let into = into.unwrap_or_else(|| Path::new(name).with_added_extension("tar"));
+    match archive::pack(folder, script, &into) {
+        Ok(files) => say(&format!("{}: {files} files", into.display())),
+        Err(error) => exit_code(Err(error)),
+    }
+}
+
+/// What to say of a replay, and whether it is the same.
+fn replay(
+    archive: &Path,
+    settings: Settings,
+    tolerance: Option<f64>,
+) -> Result<(String, bool), ScriptFault> {
+    let root = settings.out;
+    let experiment = archive::unpack(archive, &root)?;
+    input::confine([root.as_path()])?;
+    let out = root.join("out");
+    let settings = Settings {
+        out: out.clone(),
+        read: vec![root.join("files")],
+        arguments: experiment.arguments.clone(),
+        ..settings
+    };
+    end_when_stuck(settings.clone());
+    script::run(&root.join(&experiment.script), settings)?;
+    let replayed = archive::compare(&experiment, &root, &out)?;
+    Ok((replayed.in_words(tolerance), replayed.is_same(tolerance)))
+}
+
+fn tolerance_from_text(text: &str) -> Result<f64, String> {
+    let share = text.parse().ok().filter(|share| (0.0..1.0).contains(share));
+    share.ok_or_else(|| "expected a share such as 1e-6, from 0 to below 1".to_owned())
 }
 
 /// Whatever becomes of names while a script runs, files are read in these folders only.

@@ -1,5 +1,6 @@
 //! The built program, as people and machines run it.
 
+mod archive;
 mod attacks;
 mod bench;
 mod diff;

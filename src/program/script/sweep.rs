@@ -114,6 +114,7 @@ pub(super) fn source(host: &Host, digests: &mut Digests) -> crate::Result<Source
     Ok(Source {
         program: sweep::program(),
         executable: sweep::executable().cloned(),
+        build: sweep::build(),
         script,
         arguments: host.settings.arguments.clone(),
         inputs: host

@@ -175,6 +175,7 @@ impl Study {
             "seed": self.seed,
             "program": source.program,
             "executable": source.executable.as_ref().map(Digest::as_str),
+            "build": source.build,
             "arguments": source.arguments,
             "read": source.script.iter().chain(&source.inputs).map(file).collect::<Vec<_>>(),
         });

@@ -34,6 +34,8 @@ pub struct Source {
     pub program: String,
     /// Digest of the program's file; `None` where the system does not show it.
     pub executable: Option<Digest>,
+    /// Sources, lock file and compiler of the program; null in records of old.
+    pub build: Value,
     /// The script that made the sweep.
     pub script: Option<FileDigest>,
     /// What the script got from the command line.
@@ -87,7 +89,7 @@ impl FileDigest {
         json!({ "path": self.path, "sha256": self.digest.as_str() })
     }
 
-    fn from_json(value: &Value) -> Option<Self> {
+    pub(in crate::program) fn from_json(value: &Value) -> Option<Self> {
         let digest = Digest::parse(value.get("sha256")?.as_str()?)?;
         Some(Self { path: value.get("path")?.as_str()?.to_owned(), digest })
     }
@@ -181,11 +183,37 @@ impl Entry {
 }
 
 impl Source {
+    /// What two sources differ in, by the names that records have for it.
+    pub(super) fn differences(&self, other: &Self) -> Vec<&'static str> {
+        let is_other = [
+            ("program", self.program != other.program),
+            ("build of the program", self.executable != other.executable),
+            ("sources, Cargo.lock or compiler of the program", self.build != other.build),
+            ("script", self.script != other.script),
+            ("arguments", self.arguments != other.arguments),
+            ("inputs", self.inputs != other.inputs),
+            ("seeds", self.seeds != other.seeds),
+        ];
+        is_other.into_iter().filter(|(_, differs)| *differs).map(|(name, _)| name).collect()
+    }
+
+    /// The program, as records name it.
+    pub(super) fn made_by(&self) -> Map<String, Value> {
+        let executable = self.executable.as_ref().map(Digest::as_str);
+        let fields = [
+            ("program", json!(self.program)),
+            ("executable", json!(executable)),
+            ("build", self.build.clone()),
+        ];
+        fields.map(|(key, value)| (key.to_owned(), value)).into_iter().collect()
+    }
+
     fn from_json(value: &Value) -> Option<Self> {
         let script = value.get("script")?;
         Some(Self {
             program: value.get("program")?.as_str()?.to_owned(),
             executable: value.get("executable").and_then(Value::as_str).and_then(Digest::parse),
+            build: value.get("build").cloned().unwrap_or_default(),
             script: if script.is_null() { None } else { Some(FileDigest::from_json(script)?) },
             arguments: list(value.get("arguments"), |a| a.as_str().map(str::to_owned))?,
             inputs: list(value.get("inputs"), FileDigest::from_json)?,
@@ -209,8 +237,8 @@ fn sealed(mut value: Value) -> String {
 impl Manifest {
     /// Keys are sorted, so that equal manifests are equal texts.
     pub fn to_text(&self) -> String {
-        let Source { program, executable, script, arguments, inputs, seeds } = &self.source;
-        let value = json!({
+        let Source { program, executable, build, script, arguments, inputs, seeds } = &self.source;
+        let mut value = json!({
             "format": FORMAT,
             "program": program,
             "executable": executable.as_ref().map(Digest::as_str),
@@ -223,6 +251,9 @@ impl Manifest {
             "pages": to_list(&self.pages, FileDigest::to_json),
             "complete": self.is_complete,
         });
+        if !build.is_null() {
+            value["build"] = build.clone();
+        }
         sealed(value)
     }
 
@@ -290,6 +321,7 @@ mod tests {
             source: Source {
                 program: "lampyris 0".to_owned(),
                 executable: Some(Digest::of_bytes(b"build")),
+                build: json!({ "sources": "00", "compiler": "rustc" }),
                 script: Some(file("전조등.lua")),
                 arguments: vec!["320".to_owned()],
                 inputs: vec![file("../data/a.csv")],

@@ -93,9 +93,13 @@ fn check(shards: &Shards) -> Result<()> {
         return Err(fault(format!("missing or unfinished shards: {}", missing.join(", "))));
     }
     for (shard, (_, manifest)) in shards {
-        if manifest.source != model.source || manifest.pictures != model.pictures {
-            let problem = "differ in program or its build, script, arguments, inputs or look";
-            return Err(fault(format!("shards {first} and {shard} {problem}")));
+        let mut differences = model.source.differences(&manifest.source);
+        if manifest.pictures != model.pictures {
+            differences.push("look");
+        }
+        if !differences.is_empty() {
+            let differences = differences.join(", ");
+            return Err(fault(format!("shards {first} and {shard} differ in {differences}")));
         }
     }
     let views = shards.values().flat_map(|(_, manifest)| &manifest.views);

@@ -34,7 +34,7 @@ pub(in crate::program) use merge::fault;
 pub use merge::{Merged, merge};
 pub use pictures::{Pictures, Share};
 pub use plan::{Plan, Shot, SweepOutcome, check_name};
-pub use program::{executable, program};
+pub use program::{LOCK_FILE, build, build_differences, executable, program};
 pub use record::RegionReading;
 pub use shard::Shard;
 pub use verify::{Report, verify};

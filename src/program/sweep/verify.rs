@@ -49,12 +49,15 @@ impl Report {
             self.check(file, &path);
         }
         let program = super::program();
+        let differences = super::build_differences(&manifest.source.made_by());
         if manifest.source.program != program {
-            let made_by = &manifest.source.program;
-            self.problems.push(format!("made by {made_by}, this is {program}"));
-        } else if manifest.source.executable.as_ref() != super::executable() {
-            let note = "made by another build of {program}: this one would render all views again";
-            self.notes.push(note.replace("{program}", &program));
+            self.problems.extend(differences);
+        } else if !differences.is_empty() {
+            let note = format!(
+                "made by another build of {program}: this one would render all views again"
+            );
+            self.notes.push(note);
+            self.notes.extend(differences);
         }
     }
 
