@@ -1,10 +1,11 @@
 //! Progress on standard error, for people or machines, and Ctrl-C.
 
+use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use serde_json::json;
 
 use crate::render::Watch;
@@ -40,10 +41,8 @@ impl Progress {
             Verbosity::Bar => ProgressDrawTarget::stderr(),
             Verbosity::Quiet | Verbosity::Json => ProgressDrawTarget::hidden(),
         };
-        let template = "{msg} {wide_bar} {percent:>3} % of {human_len} pixels · {elapsed} · {eta} left{prefix}";
-        let style =
-            ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-        let bar = ProgressBar::with_draw_target(Some(pixels as u64), target).with_style(style);
+        let bar = ProgressBar::with_draw_target(Some(pixels as u64), target);
+        bar.set_style(style(if pixels > 0 { OF_ALL } else { OF_UNKNOWN }));
         bar.set_message("render");
         let (start, last_report_ms) = (Instant::now(), AtomicU64::new(0));
         Self { verbosity, bar, interrupted, start, last_report_ms }
@@ -52,6 +51,18 @@ impl Progress {
     /// Adds to the pixels in all.
     pub fn more_pixels(&self, count: usize) {
         self.bar.inc_length(count as u64);
+    }
+
+    /// Pixels that are there already: they are not waited for, and tell nothing of the time left.
+    pub fn pixels_kept(&self, count: usize) {
+        self.bar.dec_length(count as u64);
+    }
+
+    /// What came before the first pixel tells nothing of the time that pixels take.
+    pub fn starts_rendering(&self) {
+        if self.bar.position() == 0 {
+            self.bar.reset_elapsed();
+        }
     }
 
     /// Says which view is rendered now; `of` where the number of views is known.
@@ -85,7 +96,7 @@ impl Progress {
             "done": done,
             "of": all,
             "seconds": self.start.elapsed().as_secs_f64(),
-            "remaining_seconds": self.bar.eta().as_secs(),
+            "remaining_seconds": remaining(self.bar.elapsed(), done, all).map(|left| left.as_secs_f64()),
             "memory_bytes": memory,
         }));
     }
@@ -100,6 +111,31 @@ impl Progress {
             .compare_exchange(last, now, Ordering::Relaxed, Ordering::Relaxed)
             .is_ok()
     }
+}
+
+/// Of a job whose pixels are known.
+const OF_ALL: &str =
+    "{msg} {wide_bar} {percent:>3} % of {human_len} pixels · {elapsed} · {left}{prefix}";
+/// Of one that says what comes only when it comes.
+const OF_UNKNOWN: &str = "{msg} · {human_pos} pixels · {elapsed}{prefix}";
+
+fn style(template: &str) -> ProgressStyle {
+    let style = ProgressStyle::with_template(template);
+    let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+    style.with_key("left", |state: &ProgressState, out: &mut dyn fmt::Write| {
+        let left = remaining(state.elapsed(), state.pos(), state.len());
+        // A string takes all that is written.
+        let _ = match left {
+            Some(left) => write!(out, "{} left", HumanDuration(left)),
+            None => write!(out, "time left unknown"),
+        };
+    })
+}
+
+/// As long for each pixel that is left as for those that are done.
+fn remaining(elapsed: Duration, done: u64, all: Option<u64>) -> Option<Duration> {
+    let all = all.filter(|&all| done > 0 && all >= done)?;
+    Some(elapsed.mul_f64((all - done) as f64 / done as f64))
 }
 
 impl Watch for Progress {

@@ -135,6 +135,12 @@ impl Film {
         outlook
     }
 
+    /// Camera rays that are planned and not taken.
+    pub fn rays_to_come(&self) -> f64 {
+        let open = |pixel: &PixelStats| pixel.quarters.planned.saturating_sub(pixel.count);
+        self.pixels.iter().map(|pixel| f64::from(open(pixel))).sum()
+    }
+
     /// Sum of squared errors that pixels may leave together, were `most` no limit.
     fn allowed(&self, target: f64, errors: &[f64], most: u32) -> f64 {
         let lit = self.lit_luminance();

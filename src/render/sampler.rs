@@ -1,5 +1,6 @@
 //! Camera rays of all pixels, tile by tile on all threads, until each pixel has enough.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use rayon::prelude::*;
@@ -28,6 +29,37 @@ pub(super) struct Sampler<'a> {
     pub watch: &'a dyn Watch,
 }
 
+/// Tells a round's part of the picture while the round goes on, evenly over its pixels.
+struct Round<'a> {
+    watch: &'a dyn Watch,
+    pixels: usize,
+    /// Pixels that count as done before the round, and after it.
+    span: [usize; 2],
+    seen: AtomicUsize,
+    told: AtomicUsize,
+}
+
+impl<'a> Round<'a> {
+    fn new(watch: &'a dyn Watch, pixels: usize, after: usize, told: usize) -> Self {
+        let span = [told, after.max(told)];
+        Self { watch, pixels, span, seen: AtomicUsize::new(0), told: AtomicUsize::new(told) }
+    }
+}
+
+impl Watch for Round<'_> {
+    fn pixels_done(&self, count: usize) {
+        let seen = self.seen.fetch_add(count, Ordering::Relaxed) + count;
+        let [before, after] = self.span;
+        let due = before + (after - before) * seen / self.pixels;
+        let told = self.told.fetch_max(due, Ordering::Relaxed);
+        self.watch.pixels_done(due.saturating_sub(told));
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.watch.is_cancelled()
+    }
+}
+
 impl Sampler<'_> {
     /// Adds to `film` what `samples` ask for.
     ///
@@ -36,7 +68,9 @@ impl Sampler<'_> {
         match samples {
             Samples::Fixed(count) => self.sample_until(film, |pixel| pixel.count >= count),
             Samples::Adaptive { min, max, error } => {
-                let counts = self.sample_until(film, |pixel| pixel.count >= min)?;
+                // Pixels are told once: when they are done.
+                let untold = Sampler { watch: &Untold(self.watch), ..*self };
+                let counts = untold.sample_until(film, |pixel| pixel.count >= min)?;
                 let image_mean = film.mean_luminance();
                 let more = self.sample_until(film, |pixel| {
                     pixel.count >= max || pixel.relative_error(image_mean) <= error
@@ -50,15 +84,20 @@ impl Sampler<'_> {
     /// Rounds that double the samples of those pixels where that helps most.
     fn sample_lit(&self, film: &mut Film, max: u32, error: f64) -> Result<TraceCounts> {
         let start = Instant::now();
-        let untold = Sampler { watch: &Untold(self.watch), ..*self };
         let mut counts = TraceCounts::default();
-        let mut told = 0;
+        let (mut told, mut share_after) = (0, 0.0);
         film.plan_first(error, max);
         loop {
-            counts =
-                counts + untold.sample_until(film, |pixel| pixel.quarters.is_full(pixel.count))?;
+            let pixels = film.pixels.len();
+            let round =
+                Round::new(self.watch, pixels, (pixels as f64 * share_after) as usize, told);
+            let of_round = Sampler { watch: &round, ..*self };
+            counts = counts
+                + of_round.sample_until(film, |pixel| pixel.quarters.is_full(pixel.count))?;
+            told = round.told.into_inner();
             let outlook = film.plan(error, max);
             let share = counts.camera_rays as f64 / outlook.camera_rays;
+            share_after = (share + film.rays_to_come() / outlook.camera_rays).min(1.0);
             let spent_seconds = start.elapsed().as_secs_f64();
             film.expected_seconds.get_or_insert(spent_seconds / share);
             self.watch.expects(spent_seconds * (share.recip() - 1.0));

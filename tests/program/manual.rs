@@ -11,9 +11,14 @@ const FILES: &[[&str; 2]] = &[
     ["reflector.obj", "v -20 -20 0\nv 20 -20 0\nv 20 20 0\nv -20 20 0\nf 1 2 3 4\n"],
     ["aluminium.csv", "380,0.92\n780,0.88\n"],
     ["red.csv", "nm,transmittance\n380,0\n580,0\n620,0.9\n780,0.95\n"],
-    ["bulb.csv", "x,y,z,dx,dy,dz,flux\n0,0,20,0,0,-1,5\n0,0,20,1,0,0,5\n1,0,20,0,1,0,5\n"],
+    ["p21w.tm25ray", RAYS],
+    ["bulb.csv", RAYS],
     ["lobe.csv", "0,1\n1,0.9\n2,0.7\n3,0.45\n4,0.25\n5,0.12\n"],
 ];
+
+/// Of a bulb; what a ray file is shows in its content.
+const RAYS: &str =
+    "x,y,z,dx,dy,dz,flux,wavelength\n0,0,20,0,0,-1,5,550\n0,0,20,1,0,0,5,600\n1,0,20,0,1,0,5,500\n";
 
 /// Makes pictures tiny: what an example asks for in pixels, samples and surface cells is divided.
 const TINY: &str = r#"
@@ -55,10 +60,11 @@ fn examples(page: &str) -> Vec<String> {
 
 #[test]
 fn every_example_runs() {
-    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut count = 0;
-    for entry in fs::read_dir(docs).expect("the manual") {
-        let path = entry.expect("an entry").path();
+    let docs = fs::read_dir(root.join("docs")).expect("the manual");
+    let docs = docs.map(|entry| entry.expect("an entry").path());
+    for path in docs.chain([root.join("README.md")]) {
         let page = fs::read_to_string(&path).expect("a page");
         for (at, example) in (1..).zip(examples(&page)) {
             let bench = Bench::new();

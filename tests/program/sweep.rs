@@ -231,7 +231,11 @@ fn another_build_renders_again() {
     assert!(verified.0, "{}", verified.2);
     let note =
         "note: made by another build of lampyris 0.1.0: this one would render all views again\n";
-    assert!(verified.2.starts_with(note) && verified.2.contains("of the same sources"), "{}", verified.2);
+    assert!(
+        verified.2.starts_with(note) && verified.2.contains("of the same sources"),
+        "{}",
+        verified.2
+    );
     let counts = || run(&RUN).1;
     assert_eq!((counts(), counts()), ("8\t0\n".to_owned(), "0\t8\n".to_owned()));
     run(&["run", "sweep.lua", "--quiet", "--shard=1/2", "--out=shards"]);

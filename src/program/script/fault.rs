@@ -6,6 +6,7 @@ use mlua::{Function, IntoLuaMulti, Lua, MultiValue, Table, Value};
 use serde_json::json;
 
 use super::host::Host;
+use super::shown::shown;
 use crate::error::{Error, Hint};
 use crate::program::progress::Verbosity;
 
@@ -94,17 +95,68 @@ fn frame_line(frame: &mlua::debug::Debug) -> Option<String> {
     (!file.starts_with("__")).then(|| format!("{file}:{line}"))
 }
 
-/// The message of an error that left the script.
+/// The message of an error that left the script, and the lines that led to it.
 pub(super) fn from_lua(error: mlua::Error, host: &Host) -> ScriptFault {
     let message = message(&error);
+    let callers = traceback(&error).map_or_else(Vec::new, |trace| callers(&message, &trace));
+    let callers = callers.iter().map(|place| format!("\n  called from {place}"));
+    let message = message + &callers.collect::<String>();
     ScriptFault { interrupted: host.is_interrupted(), message }
+}
+
+/// Calls a script's chunk. An error value that is no text becomes one, with the lines that led to it.
+pub(super) fn call(lua: &Lua, chunk: Function) -> mlua::Result<()> {
+    let handler = lua.create_function(|lua, error: Value| {
+        if error.is_error() {
+            return Ok(error);
+        }
+        let text = shown(&error);
+        let trace = lua.traceback(Some(&text), 1)?.to_string_lossy();
+        Ok(Value::Error(Box::new(mlua::Error::RuntimeError(trace))))
+    })?;
+    let xpcall: Function = lua.named_registry_value(XPCALL)?;
+    match xpcall.call::<(bool, Value)>((chunk, handler))? {
+        (true, _) => Ok(()),
+        (false, Value::Error(error)) => Err(*error),
+        (false, other) => Err(mlua::Error::RuntimeError(shown(&other))),
+    }
+}
+
+/// Lua's own, by this name in the registry.
+pub(super) const XPCALL: &str = "xpcall";
+
+/// Callers beyond these are not told: a function that calls itself has many.
+const MOST_CALLERS: usize = 8;
+
+/// The stack where the error came from.
+fn traceback(error: &mlua::Error) -> Option<String> {
+    match error {
+        mlua::Error::CallbackError { cause, traceback: outer } => {
+            traceback(cause).or_else(|| Some(outer.clone()))
+        }
+        mlua::Error::WithContext { cause, .. } => traceback(cause),
+        mlua::Error::RuntimeError(text) => {
+            text.split_once(TRACE).map(|(_, trace)| trace.to_owned())
+        }
+        _ => None,
+    }
+}
+
+const TRACE: &str = "\nstack traceback:";
+
+/// The places beyond the one that the message begins with.
+fn callers(message: &str, traceback: &str) -> Vec<String> {
+    let places: Vec<String> = traced_lines(traceback).collect();
+    let begins = |place: &String| message.starts_with(&format!("{place}:"));
+    let first = places.iter().position(begins).map_or(0, |at| at + 1);
+    places.into_iter().skip(first).take(MOST_CALLERS).collect()
 }
 
 /// Without the stack traceback.
 pub(super) fn message(error: &mlua::Error) -> String {
     match error {
         mlua::Error::CallbackError { cause, traceback } => match method_without_self(cause) {
-            Some(problem) => match traced_line(traceback) {
+            Some(problem) => match traced_lines(traceback).next() {
                 Some(place) => format!("{place}: {problem}"),
                 None => problem,
             },
@@ -130,17 +182,17 @@ fn method_without_self(error: &mlua::Error) -> Option<String> {
     }
 }
 
-/// `file:line` of the first line of a stack traceback that has one.
-fn traced_line(traceback: &str) -> Option<String> {
+/// `file:line` of the lines of a stack traceback that have one.
+fn traced_lines(traceback: &str) -> impl Iterator<Item = String> {
     let frames = traceback.lines().filter_map(|line| line.trim().split_once(": in "));
-    let mut places = frames.map(|(place, _)| place);
+    let places = frames.map(|(place, _)| place);
     places
-        .find(|place| !place.starts_with('[') && !place.starts_with("__") && place.contains(':'))
+        .filter(|place| !place.starts_with('[') && !place.starts_with("__") && place.contains(':'))
         .map(str::to_owned)
 }
 
 fn without_traceback(text: &str) -> String {
-    text.split("\nstack traceback:").next().unwrap_or(text).to_owned()
+    text.split(TRACE).next().unwrap_or(text).to_owned()
 }
 
 /// What `pcall` hands to the script: the message instead of the error's own object. An interrupt

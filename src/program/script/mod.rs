@@ -46,6 +46,7 @@ mod paths;
 mod photometry;
 mod quality;
 mod scene;
+mod shown;
 mod spectrum;
 mod study;
 mod sweep;
@@ -74,7 +75,8 @@ pub fn run(script: &Path, settings: Settings) -> Result<(), ScriptFault> {
     host.note_script();
     let source = std::fs::read(script).map_err(|e| ScriptFault::unreadable(script, e))?;
     let chunk_name = format!("@{}", script.display());
-    let done = lua.load(source).set_name(chunk_name).set_mode(mlua::chunk::ChunkMode::Text).exec();
+    let chunk = lua.load(source).set_name(chunk_name).set_mode(mlua::chunk::ChunkMode::Text);
+    let done = chunk.into_function().and_then(|chunk| fault::call(&lua, chunk));
     host.print_warnings();
     if let Some(kept) = &host.settings.kept {
         kept.end_run(host.settings.in_use.all());

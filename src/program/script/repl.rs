@@ -13,6 +13,7 @@ use rustyline::validate::Validator;
 use rustyline::{Config, Context, Editor, Helper};
 
 use super::fault::{self, ScriptFault};
+use super::shown::shown;
 use super::{Settings, host, state};
 
 const PROMPT: &str = "> ";
@@ -106,7 +107,11 @@ fn evaluate(lua: &Lua, chunk: &str) -> Result<(), ScriptFault> {
         Ok(values) if values.is_empty() => {}
         Ok(values) => {
             let print: mlua::Function = lua.globals().get("print")?;
-            print.call::<()>(values)?;
+            let texts = values.iter().map(|value| match value {
+                Value::Table(_) => Ok(Value::String(lua.create_string(shown(value))?)),
+                other => Ok(other.clone()),
+            });
+            print.call::<()>(texts.collect::<mlua::Result<MultiValue>>()?)?;
         }
         Err(error) => eprintln!("{}", fault::from_lua(error, &host)),
     }
@@ -140,7 +145,8 @@ impl Completions {
             Ok((Value::String(name), _)) => Some(name.to_string_lossy()),
             _ => None,
         });
-        let mut names: Vec<String> = names.filter(|name| name.starts_with(last)).collect();
+        let mut names: Vec<String> =
+            names.filter(|name| name.starts_with(last) && name != "_G").collect();
         names.sort();
         (line.len() - last.len(), names)
     }
@@ -191,6 +197,7 @@ mod tests {
         assert_eq!((start, candidates), (22, vec!["blackbody".to_owned()]));
         assert!(names.candidates("lampyris.mesh.").1.contains(&"load".to_owned()));
         assert!(names.candidates("nothing.here").1.is_empty());
+        assert!(!names.candidates("").1.contains(&"_G".to_owned()));
         assert!(names.candidates("\"ü\" .. pri").1.contains(&"print".to_owned()));
     }
 

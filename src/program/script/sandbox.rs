@@ -1,5 +1,7 @@
 //! A Lua state that cannot reach the system.
 
+use std::path::PathBuf;
+
 use mlua::chunk::ChunkMode;
 use mlua::{HookTriggers, Lua, LuaOptions, LuaString, MultiValue, StdLib, Table, Value, VmState};
 
@@ -153,7 +155,9 @@ fn replace_pcall(lua: &Lua) -> mlua::Result<()> {
     let globals = lua.globals();
     let caught = lua.create_function(fault::caught)?;
     let plain = lua.create_function(fault::plain)?;
-    let raw = (globals.get::<Value>("pcall")?, globals.get::<Value>("xpcall")?, caught, plain);
+    let raw_xpcall: Value = globals.get("xpcall")?;
+    lua.set_named_registry_value(fault::XPCALL, &raw_xpcall)?;
+    let raw = (globals.get::<Value>("pcall")?, raw_xpcall, caught, plain);
     let (pcall, xpcall): (Value, Value) = lua.load(WRAPPERS).set_name("=__pcall").call(raw)?;
     globals.set("pcall", pcall)?;
     globals.set("xpcall", xpcall)
@@ -234,7 +238,7 @@ pub(super) fn limit(lua: &Lua, host: &Host) -> mlua::Result<()> {
     lua.globals().set("arg", arguments)
 }
 
-/// `require`: the module `lampyris`, and Lua files next to the script.
+/// `require`: the module `lampyris`, and Lua files next to the script or in a folder of `--read`.
 pub(super) fn install_require(lua: &Lua, module: Table) -> mlua::Result<()> {
     let loaded = lua.create_table()?;
     loaded.set("lampyris", module)?;
@@ -263,6 +267,13 @@ pub(super) fn install_require(lua: &Lua, module: Table) -> mlua::Result<()> {
     lua.globals().set("require", require)
 }
 
+/// Beside the script, else in the first folder of `--read` that has it.
+fn module_path(host: &Host, file: &str) -> PathBuf {
+    let beside = host.script_folder().join(file);
+    let others = host.settings.read.iter().map(|folder| folder.join(file));
+    std::iter::once(beside.clone()).chain(others).find(|path| path.exists()).unwrap_or(beside)
+}
+
 fn load_module(lua: &Lua, name: &str) -> mlua::Result<Value> {
     let plain = name.split('.').all(|part| {
         !part.is_empty() && part.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-')
@@ -272,10 +283,11 @@ fn load_module(lua: &Lua, name: &str) -> mlua::Result<Value> {
         return Err(Error::out_of_range("require", "name", format!("\"{name}\""), allowed).into());
     }
     let host = host::of(lua)?;
-    let path = host.script_folder().join(format!("{}.lua", name.replace('.', "/")));
+    let file = format!("{}.lua", name.replace('.', "/"));
+    let path = module_path(&host, &file);
     host.check_readable(name, &path)?;
     if path.exists() {
-        host.note_input(&format!("{}.lua", name.replace('.', "/")), &path)?;
+        host.note_input(&file, &path)?;
     }
     let source = input::bytes(&path)?;
     let chunk = lua.load(source).set_name(format!("@{}", path.display()));

@@ -22,7 +22,7 @@ use crate::program::progress::Progress;
 use crate::program::results::{ASKED, STATS, VIEW};
 use crate::program::screen::{self, Screen};
 use crate::program::stage::Stage;
-use crate::render::{Asked, RenderStats, Watch, why_black};
+use crate::render::{Asked, RenderStats, why_black};
 use crate::scene::plausibility;
 use crate::shading::TraceCounts;
 use crate::view::View;
@@ -122,7 +122,9 @@ impl Plan<'_> {
         let key = self.key(shot);
         if let Some(entry) = folder.kept(index, &shot.name, &key) {
             done.kept += 1;
-            self.progress.pixels_done(shot.view.pixels());
+            if count.is_some() {
+                self.progress.pixels_kept(shot.view.pixels());
+            }
             folder.put(self.measured(folder.path(), entry)?);
             return Ok(());
         }
@@ -169,6 +171,7 @@ impl Plan<'_> {
 
     fn render(&self, shot: &Shot) -> Result<(SpectralImage, RenderStats)> {
         let prepared = shot.stage.prepared(self.warn)?;
+        self.progress.starts_rendering();
         plausibility::of_view(&prepared, &shot.view).into_iter().for_each(self.warn);
         let (mut image, stats, _) =
             screen::render(self.screen, &self.asked, &prepared, &shot.view, self.progress)?;
