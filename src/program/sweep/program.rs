@@ -57,8 +57,8 @@ pub fn build_differences(made_by: &Map<String, Value>) -> Vec<String> {
     }
     if differences.is_empty() {
         differences.push(
-            "another build of the same sources, Cargo.lock and compiler: folders of the machine that \
-             it was built on, or flags, are in it"
+            "another build of the same sources, Cargo.lock and compiler: with other flags, or with \
+             folders of the machine that it was built on in it, which .ci/release leaves out"
                 .to_owned(),
         );
     }
