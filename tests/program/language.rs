@@ -143,3 +143,37 @@ fn the_library_is_lua() {
     bench.write("script.lua", LIBRARY);
     bench.succeed(&["run", "script.lua"]);
 }
+
+#[test]
+fn messages_name_the_lines_that_led_there() {
+    let bench = Bench::new();
+    bench.write(
+        "shared/part.lua",
+        "local lampyris = require 'lampyris'\n\
+         local function view(options)\n  local made = lampyris.view(options)\n  return made\nend\n\
+         return { view = view }\n",
+    );
+    bench.write(
+        "script.lua",
+        "local part = require 'part'\n\
+         local function make()\n  local made = part.view { fov_deg = 3 }\n  return made\nend\n\
+         make()\n",
+    );
+    let message = bench.fail(&["run", "script.lua", "--read", "shared"]);
+    assert!(message.starts_with("shared/part.lua:3: view: unknown key \"fov_deg\""), "{message}");
+    let callers = "\n  from script.lua:3\n  from script.lua:6\n";
+    assert!(message.ends_with(callers), "{message}");
+    let message = bench.fail_script("local function f() error('no lens') end\nf()\n");
+    assert_eq!(message, "script.lua:1: no lens\n  from script.lua:2\n");
+}
+
+#[test]
+fn tables_that_are_thrown_are_shown() {
+    let bench = Bench::new();
+    let message = bench.fail_script("error { code = 3, list = { 1, 'a' } }");
+    assert_eq!(message, "script.lua:1: {code = 3, list = {1, \"a\"}}\n");
+    let message = bench
+        .fail_script("error(setmetatable({}, { __tostring = function() return 'no lens' end }))");
+    assert!(message == "script.lua:1: no lens\n", "{message}");
+    assert!(bench.fail_script("error()").ends_with(": nil\n"));
+}

@@ -99,7 +99,7 @@ fn frame_line(frame: &mlua::debug::Debug) -> Option<String> {
 pub(super) fn from_lua(error: mlua::Error, host: &Host) -> ScriptFault {
     let message = message(&error);
     let callers = traceback(&error).map_or_else(Vec::new, |trace| callers(&message, &trace));
-    let callers = callers.iter().map(|place| format!("\n  called from {place}"));
+    let callers = callers.iter().map(|place| format!("\n  from {place}"));
     let message = message + &callers.collect::<String>();
     ScriptFault { interrupted: host.is_interrupted(), message }
 }
@@ -110,7 +110,10 @@ pub(super) fn call(lua: &Lua, chunk: Function) -> mlua::Result<()> {
         if error.is_error() {
             return Ok(error);
         }
-        let text = shown(&error);
+        let text = match (error.is_string(), script_line(lua)) {
+            (false, Some(place)) => format!("{place}: {}", shown(&error)), // as Lua does for texts
+            _ => shown(&error),
+        };
         let trace = lua.traceback(Some(&text), 1)?.to_string_lossy();
         Ok(Value::Error(Box::new(mlua::Error::RuntimeError(trace))))
     })?;
