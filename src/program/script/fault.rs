@@ -98,7 +98,8 @@ fn frame_line(frame: &mlua::debug::Debug) -> Option<String> {
 /// The message of an error that left the script, and the lines that led to it.
 pub(super) fn from_lua(error: mlua::Error, host: &Host) -> ScriptFault {
     let message = message(&error);
-    let callers = traceback(&error).map_or_else(Vec::new, |trace| callers(&message, &trace));
+    let trace = traceback(&error).filter(|_| !host.is_interrupted());
+    let callers = trace.map_or_else(Vec::new, |trace| callers(&message, &trace));
     let callers = callers.iter().map(|place| format!("\n  from {place}"));
     let message = message + &callers.collect::<String>();
     ScriptFault { interrupted: host.is_interrupted(), message }
@@ -149,7 +150,8 @@ const TRACE: &str = "\nstack traceback:";
 
 /// The places beyond the one that the message begins with.
 fn callers(message: &str, traceback: &str) -> Vec<String> {
-    let places: Vec<String> = traced_lines(traceback).collect();
+    let mut places: Vec<String> = traced_lines(traceback).collect();
+    places.dedup(); // functions that are called on the line where they stand
     let begins = |place: &String| message.starts_with(&format!("{place}:"));
     let first = places.iter().position(begins).map_or(0, |at| at + 1);
     places.into_iter().skip(first).take(MOST_CALLERS).collect()
