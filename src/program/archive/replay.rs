@@ -232,7 +232,7 @@ fn collect_differences(place: &str, a: &Value, b: &Value, largest: &mut (f64, St
         (Value::Number(_), Value::Number(_)) => {
             let [a, b] = [a, b].map(|value| value.as_f64().unwrap_or(f64::NAN));
             let relative = if a == b { 0.0 } else { (a - b).abs() / a.abs().max(b.abs()) };
-            if !(relative <= largest.0) {
+            if relative > largest.0 || relative.is_nan() {
                 *largest = (relative, place.trim_start().to_owned());
             }
             true
