@@ -316,8 +316,8 @@ impl RunOptions {
 }
 
 fn pack(folder: &Path, script: Option<&Path>, into: Option<PathBuf>) -> ExitCode {
-    let name = folder.file_name().unwrap_or("experiment".as_ref());
-    let into = into.unwrap_or_else(|| Path::new(name).with_added_extension("tar"));
+    let name = folder.file_name().unwrap_or("experiment".as_ref()).to_string_lossy();
+    let into = into.unwrap_or_else(|| PathBuf::from(format!("{name}.tar")));
     match archive::pack(folder, script, &into) {
         Ok(files) => say(&format!("{}: {files} files", into.display())),
         Err(error) => exit_code(Err(error)),

@@ -287,7 +287,8 @@ mod tests {
         assert!(
             unpacked("good", &[("files/a.lua", "a")], &[("files/a.lua", "a", Regular)]).is_ok()
         );
-        let cases: [(&str, &[(&str, &str)], &[(&str, &str, tar::EntryType)]); 9] = [
+        type Held<'a> = (&'a str, &'a str, tar::EntryType);
+        let cases: [(&str, &[(&str, &str)], &[Held]); 9] = [
             ("up", &[("../evil", "a")], &[("../evil", "a", Regular)]),
             ("root", &[("/tmp/evil", "a")], &[("/tmp/evil", "a", Regular)]),
             ("unlisted", &[], &[("../evil", "a", Regular)]),
