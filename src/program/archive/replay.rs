@@ -287,8 +287,9 @@ mod tests {
         assert!(
             unpacked("good", &[("files/a.lua", "a")], &[("files/a.lua", "a", Regular)]).is_ok()
         );
-        type Held<'a> = (&'a str, &'a str, tar::EntryType);
-        let cases: [(&str, &[(&str, &str)], &[Held]); 9] = [
+        type Listed<'a> = &'a [(&'a str, &'a str)];
+        type Held<'a> = &'a [(&'a str, &'a str, tar::EntryType)];
+        let cases: [(&str, Listed, Held); 9] = [
             ("up", &[("../evil", "a")], &[("../evil", "a", Regular)]),
             ("root", &[("/tmp/evil", "a")], &[("/tmp/evil", "a", Regular)]),
             ("unlisted", &[], &[("../evil", "a", Regular)]),
