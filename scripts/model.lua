@@ -30,8 +30,11 @@ function model.build(options, coarseness, more)
   return built
 end
 
---- The burning bulbs of a shot, with this many samples each.
+--- The burning bulbs of a shot, with this many samples each; drawn once for all scenes that ask.
 function model.lights(built, shot, samples)
+  built.lights = built.lights or {}
+  local kept = built.lights[shot.lit]
+  if kept and kept.samples == samples then return kept.list end
   local list = {}
   for k, it in ipairs(shot.lit) do
     list[k] = lampyris.bulb(it.bulb, {
@@ -40,6 +43,7 @@ function model.lights(built, shot, samples)
       samples = samples,
     })
   end
+  built.lights[shot.lit] = { samples = samples, list = list }
   return list
 end
 

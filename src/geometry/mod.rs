@@ -14,7 +14,7 @@ mod random;
 pub mod section;
 mod weld;
 
-pub use bvh::{Bvh, Departure, FirstHit};
+pub use bvh::{Bvh, Departure, FirstHit, Role, Shaft};
 pub use closure::Closure;
 pub use glam::DVec3;
 pub use mesh::Mesh;

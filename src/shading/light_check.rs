@@ -63,7 +63,7 @@ impl Tracer<'_> {
     fn light_sums(&self, surfaces: &[SurfacePoint], light_error: f64) -> Vec<LightSum> {
         let at = |surface| {
             let lights = 0..self.prepared.light_trees.len();
-            lights.map(move |light| self.light_sum(light, surface, light_error).0)
+            lights.map(move |light| self.light_sum(light, surface, light_error))
         };
         surfaces.par_iter().flat_map_iter(at).collect()
     }

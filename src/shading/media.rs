@@ -20,6 +20,11 @@ impl Media {
         self.0.iter().max_by_key(priority).map(|&object| object as usize)
     }
 
+    /// All of them.
+    pub fn objects(&self) -> impl Iterator<Item = usize> + '_ {
+        self.0.iter().map(|&object| object as usize)
+    }
+
     /// Enters a body; once in it, nothing changes.
     pub fn enter(&mut self, object: usize) {
         if !self.0.contains(&(object as u32)) {

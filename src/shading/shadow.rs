@@ -13,7 +13,7 @@ use super::interface::{Met, sheets_beside};
 use super::media::Media;
 use super::walk::SurfacePoint;
 use crate::color::Photometry;
-use crate::geometry::{DVec3, Ray};
+use crate::geometry::{DVec3, Ray, Role, Shaft};
 use crate::light::sum::{LightSum, Visibility};
 use crate::scene::{Shadows, SurfaceKind};
 use crate::spectrum::Bands;
@@ -51,6 +51,23 @@ impl Veil {
     }
 }
 
+/// What may stand between a hit and a light, asked of the BVH once.
+struct Between {
+    /// `None` where so much may that each segment walks the BVH by itself.
+    shaft: Option<Shaft>,
+    /// Whether anything opaque does.
+    hides: bool,
+    /// Whether anything does that takes some of the light.
+    dims: bool,
+}
+
+impl Between {
+    /// The triangles to ask about a segment to `target`, if not all.
+    fn shaft_to(&self, target: DVec3) -> Option<&Shaft> {
+        self.shaft.as_ref().filter(|shaft| shaft.holds(target))
+    }
+}
+
 impl Tracer<'_> {
     /// A light's sums at a hit, each with what the way there leaves of it, and the shadow rays that
     /// they took. `before` are the bodies on V's side.
@@ -60,8 +77,10 @@ impl Tracer<'_> {
         (surface, before): (&SurfacePoint, &Media),
         mut take: impl FnMut(LightSum, Option<&Bands>),
     ) -> u64 {
-        if !self.attenuates() {
-            let (sum, shadow_rays) = self.light_sum(light, surface, self.limits.light_error);
+        let between = self.between(light, (surface, Some(before)));
+        if !between.dims {
+            let (sum, shadow_rays) =
+                self.unveiled_sum(light, surface, self.limits.light_error, &between);
             take(sum, None);
             return shadow_rays;
         }
@@ -73,8 +92,11 @@ impl Tracer<'_> {
         while at < veils.borrow().len() {
             let visible = |position: DVec3| {
                 shadow_rays.set(shadow_rays.get() + 1);
-                self.is_free(light, surface, position)
-                    && self.find_veil((surface, before), position, &mut veils.borrow_mut()) == at
+                let veil = || {
+                    let from = (surface, before, &between);
+                    self.find_veil(from, position, &mut veils.borrow_mut())
+                };
+                self.is_free(light, surface, position, &between) && veil() == at
             };
             let asked = (self.limits.light_error, Some(&visible as Visibility));
             let sum = self.both_sides(tree, &query, asked, surface);
@@ -84,25 +106,64 @@ impl Tracer<'_> {
         shadow_rays.get()
     }
 
-    /// The sum over a light's samples as if what transmits were not there, and the shadow rays that
-    /// it took.
+    /// The sum over a light's samples as if what transmits were not there.
     pub(super) fn light_sum(
         &self,
         light: usize,
         surface: &SurfacePoint,
         light_error: f64,
+    ) -> LightSum {
+        let between = self.between(light, (surface, None));
+        self.unveiled_sum(light, surface, light_error, &between).0
+    }
+
+    /// The same, and the shadow rays that it took.
+    fn unveiled_sum(
+        &self,
+        light: usize,
+        surface: &SurfacePoint,
+        light_error: f64,
+        between: &Between,
     ) -> (LightSum, u64) {
         let query = self.hit_query(surface);
         let tree = &self.prepared.light_trees[light];
-        if !self.casts_shadows() {
+        if !between.hides {
             return (self.both_sides(tree, &query, (light_error, None), surface), 0);
         }
         let shadow_rays = Cell::new(0);
         let visible = |position: DVec3| {
             shadow_rays.set(shadow_rays.get() + 1);
-            self.is_free(light, surface, position)
+            self.is_free(light, surface, position, between)
         };
         (self.both_sides(tree, &query, (light_error, Some(&visible)), surface), shadow_rays.get())
+    }
+
+    /// Nothing for a light of which the hit sees no sample on the sides that it asks; without
+    /// `before`, nothing dims.
+    fn between(&self, light: usize, (surface, before): (&SurfacePoint, Option<&Media>)) -> Between {
+        let (low, high) = self.prepared.light_trees[light].bounds();
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let height = (middle - surface.near.departure.point).dot(surface.normal);
+        let reach = half.dot(surface.normal.abs());
+        let query = self.hit_query(surface);
+        let [near, far] = [query.reflects && height > -reach, query.transmits && height < reach];
+        if !(self.casts_shadows() && (near || far)) {
+            return Between { shaft: None, hides: false, dims: false };
+        }
+        let (bvh, blocks) = (&self.prepared.bvh, self.prepared.blocks(light));
+        let role = |object: usize| if blocks[object] { Role::Blocks } else { Role::Counts };
+        let leaving = surface.near.triangle;
+        let shaft = bvh.shaft(&surface.near.departure, leaving, (low, high), role);
+        let own = (height < -reach).then_some(surface.object);
+        let dims = |object: usize| Some(object) != own && !blocks[object] && self.dims(object);
+        let starts = [near.then_some(before).flatten(), far.then_some(&surface.after)];
+        let is_inside = starts.into_iter().flatten().flat_map(Media::objects).any(dims);
+        let crosses = shaft.as_ref().is_none_or(|shaft| bvh.objects_in(shaft).any(dims));
+        Between {
+            hides: shaft.as_ref().is_none_or(|shaft| !shaft.is_free()),
+            dims: before.is_some() && self.attenuates() && (is_inside || crosses),
+            shaft,
+        }
     }
 
     pub(super) fn casts_shadows(&self) -> bool {
@@ -117,20 +178,29 @@ impl Tracer<'_> {
     }
 
     /// Whether nothing opaque is in the way.
-    fn is_free(&self, light: usize, surface: &SurfacePoint, position: DVec3) -> bool {
+    fn is_free(
+        &self,
+        light: usize,
+        surface: &SurfacePoint,
+        position: DVec3,
+        between: &Between,
+    ) -> bool {
         let from = surface.near.departure.toward(position - surface.near.departure.point);
-        let leaving = Some(surface.near.triangle);
-        !self.prepared.bvh.is_occluded(from, position, leaving, self.prepared.blocks(light))
+        let (bvh, leaving) = (&self.prepared.bvh, surface.near.triangle);
+        !match between.shaft_to(position) {
+            Some(shaft) => bvh.is_occluded_in(shaft, (from, position), leaving),
+            None => bvh.is_occluded(from, position, Some(leaving), self.prepared.blocks(light)),
+        }
     }
 
     /// The number of the veil before a sample, a new one if it is not among them.
     fn find_veil(
         &self,
-        (surface, before): (&SurfacePoint, &Media),
+        from: (&SurfacePoint, &Media, &Between),
         position: DVec3,
         veils: &mut Vec<Veil>,
     ) -> usize {
-        let here = self.veil(surface, before, position);
+        let here = self.veil(from, position);
         let known = veils.iter().position(|veil| veil.surfaces == here.surfaces);
         let at = known.unwrap_or_else(|| {
             let (surfaces, paths_mm) = (here.surfaces, vec![0.0; here.paths_mm.len()]);
@@ -146,7 +216,11 @@ impl Tracer<'_> {
     /// What a straight way to a sample crosses: the interfaces that a ray would meet there, `before`
     /// being the bodies on V's side. The lobe of light from the far side is measured on the whole
     /// sheet, so that the rest of the hit's own body is part of it.
-    fn veil(&self, surface: &SurfacePoint, before: &Media, position: DVec3) -> Veil {
+    fn veil(
+        &self,
+        (surface, before, between): (&SurfacePoint, &Media, &Between),
+        position: DVec3,
+    ) -> Veil {
         let start = surface.near.departure.point;
         let way = position - start;
         let length_mm = way.length();
@@ -156,7 +230,8 @@ impl Tracer<'_> {
         let from = surface.near.departure.toward(way);
         let ray = Ray { origin: from, direction: way / length_mm };
         let end_mm = length_mm - self.prepared.bvh.place_mm();
-        let hits = self.prepared.bvh.hits_up_to(&ray, Some(surface.near.triangle), end_mm);
+        let (leaving, among) = (Some(surface.near.triangle), between.shaft_to(position));
+        let hits = self.prepared.bvh.hits_among(&ray, leaving, end_mm, among);
         let met: Vec<Met> = hits.into_iter().map(|hit| self.met(&ray, hit)).collect();
         let is_far = way.dot(surface.normal) < 0.0;
         let own = is_far.then_some(surface.object);

@@ -3,12 +3,13 @@
 use std::arch::asm;
 use std::arch::x86_64::*;
 
-use super::super::{DVec3, Ray, TriangleId};
+use super::super::{DVec3, Hit, Ray, TriangleId};
 use super::Bvh;
 use super::bounds::Frame;
 use super::kernel::{Aim, TriangleKernel};
 use super::probe::{self, CANCELLATION, Crossing, Probe};
 use super::query::{FirstHit, Segment};
+use super::shaft::{Role, Shaft, Sides, Slabs};
 use super::walk::LEAST_DIRECTION;
 use super::wide::{CORNERS, LANES, Lanes, Packet, WideNode};
 
@@ -71,7 +72,7 @@ impl TriangleKernel for Avx2 {
     #[inline(always)]
     fn enter(node: &WideNode, ray: &WideRay, end: f32) -> (u32, Lanes) {
         let mut near_lanes = [0.0; 8];
-        // SAFETY: only `closest` and `occluded` below use this kernel; `Bvh` calls them only where
+        // SAFETY: only `closest`, `occluded` and `hits` below use this kernel; `Bvh` calls them only where
         // the processor has their features.
         let lanes = unsafe {
             let entry = |axis: usize| plane(node, ray.entry[axis], ray, axis);
@@ -331,4 +332,28 @@ pub(super) fn closest(
 #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
 pub(super) fn occluded(bvh: &Bvh, segment: &Segment, blocks: &[bool]) -> bool {
     bvh.occluded_with::<Avx2>(segment, blocks)
+}
+
+/// [`Bvh::hits_with`] compiled for AVX2 and FMA.
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
+pub(super) fn hits(
+    bvh: &Bvh,
+    ray: &Ray,
+    leaving: Option<TriangleId>,
+    end_mm: f64,
+    shaft: Option<&Shaft>,
+) -> Vec<Hit> {
+    bvh.hits_with::<Avx2>(ray, leaving, end_mm, shaft)
+}
+
+/// [`Bvh::gather`] compiled for AVX2.
+#[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
+pub(super) fn gather_shaft(
+    bvh: &Bvh,
+    planes: (&Slabs, &Sides),
+    leaving: TriangleId,
+    role: impl Fn(usize) -> Role,
+    shaft: Shaft,
+) -> Option<Shaft> {
+    bvh.gather(planes, leaving, role, shaft)
 }

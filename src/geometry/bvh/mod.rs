@@ -16,6 +16,7 @@ mod forest;
 mod kernel;
 mod probe;
 mod query;
+mod shaft;
 #[cfg(test)]
 mod tests;
 mod walk;
@@ -31,6 +32,7 @@ use binary::Primitive;
 use bounds::Frame;
 pub use departure::Departure;
 pub use query::FirstHit;
+pub use shaft::{Role, Shaft};
 use wide::Tree;
 
 /// All triangles of a scene, ordered for rays.

@@ -8,8 +8,9 @@ use super::avx2;
 use super::bounds::FARTHEST;
 use super::kernel::{Aim, Portable, TriangleKernel, to_end_mm};
 use super::probe::{Crossing, Probe};
+use super::shaft::{Candidate, Shaft};
 use super::walk;
-use super::wide::NO_TRIANGLE;
+use super::wide::{NO_TRIANGLE, Packet};
 use super::{Bvh, departure};
 use crate::simd::Simd;
 
@@ -33,6 +34,23 @@ pub struct FirstHit {
 #[inline(always)]
 fn hit(Crossing { t_mm, u, v }: Crossing, triangle: TriangleId, probe: &Probe) -> Hit {
     Hit { distance_mm: t_mm + probe.advance_mm, u, v, triangle }
+}
+
+/// Adds what the probe meets of the asked triangles of a packet.
+#[inline(always)]
+fn take_hits<K: TriangleKernel>(
+    (packet, asked): (&Packet, u32),
+    ray: &K::Ray,
+    (aim, end_mm): (&Aim, f64),
+    hits: &mut Vec<Hit>,
+) {
+    let mut lanes = K::may_meet(packet, ray, aim) & asked;
+    while lanes != 0 {
+        let lane = walk::take_lane(&mut lanes);
+        let found = K::cross(packet, lane, aim.probe).filter(|c| c.t_mm <= end_mm);
+        let triangle = TriangleId(packet.triangles[lane]);
+        hits.extend(found.map(|crossing| hit(crossing, triangle, aim.probe)));
+    }
 }
 
 impl Bvh {
@@ -61,28 +79,55 @@ impl Bvh {
     /// All triangles that the ray meets up to `end_mm`, but not `leaving`: the nearest first, and of
     /// those at exactly the same distance that with the lower number first.
     pub fn hits_up_to(&self, ray: &Ray, leaving: Option<TriangleId>, end_mm: f64) -> Vec<Hit> {
-        let Some(probe) = self.probe(ray) else { return Vec::new() };
-        let tree_ray = Portable::aim(&probe, &ray.direction, &self.frame);
-        let end = end_mm - probe.advance_mm;
-        let aim = Aim {
-            probe: &probe,
-            leaving: leaving.map_or(NO_TRIANGLE, |triangle| triangle.0),
-            end_mm: to_end_mm(end),
+        self.hits_among(ray, leaving, end_mm, None)
+    }
+
+    /// The same of the triangles in a shaft that holds the ray up to `end_mm`.
+    pub fn hits_among(
+        &self,
+        ray: &Ray,
+        leaving: Option<TriangleId>,
+        end_mm: f64,
+        shaft: Option<&Shaft>,
+    ) -> Vec<Hit> {
+        let mut hits = match self.simd {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            Simd::Avx2 | Simd::Avx512 => unsafe { avx2::hits(self, ray, leaving, end_mm, shaft) },
+            _ => self.hits_with::<Portable>(ray, leaving, end_mm, shaft),
         };
-        let mut hits = Vec::new();
-        let end_in_frame = self.frame.to_end(end);
-        self.tree.walk::<Portable>(&tree_ray, end_in_frame, |packet| {
-            let mut lanes = Portable::may_meet(packet, &tree_ray, &aim);
-            while lanes != 0 {
-                let lane = walk::take_lane(&mut lanes);
-                let found = Portable::cross(packet, lane, &probe).filter(|c| c.t_mm <= end);
-                let triangle = TriangleId(packet.triangles[lane]);
-                hits.extend(found.map(|crossing| hit(crossing, triangle, &probe)));
-            }
-            ControlFlow::Continue(end_in_frame)
-        });
         let place = |hit: &Hit| (hit.distance_mm, hit.triangle);
         hits.sort_by(|a, b| place(a).partial_cmp(&place(b)).expect("distances are finite"));
+        hits
+    }
+
+    #[inline(always)]
+    pub(super) fn hits_with<K: TriangleKernel>(
+        &self,
+        ray: &Ray,
+        leaving: Option<TriangleId>,
+        end_mm: f64,
+        shaft: Option<&Shaft>,
+    ) -> Vec<Hit> {
+        let Some(probe) = self.probe(ray) else { return Vec::new() };
+        let tree_ray = K::aim(&probe, &ray.direction, &self.frame);
+        let end = end_mm - probe.advance_mm;
+        let leaving = leaving.map_or(NO_TRIANGLE, |triangle| triangle.0);
+        let aim = Aim { probe: &probe, leaving, end_mm: to_end_mm(end) };
+        let mut hits = Vec::new();
+        // Written out twice: a closure that both used would not be compiled for the kernel.
+        if let Some(shaft) = shaft {
+            for candidate in shaft.candidates() {
+                let asked = candidate.packet(&self.tree);
+                take_hits::<K>(asked, &tree_ray, (&aim, end), &mut hits);
+            }
+            return hits;
+        }
+        let end_in_frame = self.frame.to_end(end);
+        self.tree.walk::<K>(&tree_ray, end_in_frame, |packet| {
+            take_hits::<K>((packet, u32::MAX), &tree_ray, (&aim, end), &mut hits);
+            ControlFlow::Continue(end_in_frame)
+        });
         hits
     }
 
@@ -103,6 +148,26 @@ impl Bvh {
             Simd::Avx2 | Simd::Avx512 => unsafe { avx2::occluded(self, &segment, blocks) },
             _ => self.occluded_with::<Portable>(&segment, blocks),
         }
+    }
+
+    /// The same of some triangles of one packet, all of which block.
+    pub(super) fn is_occluded_by(
+        &self,
+        triangles: Candidate,
+        (from, target): (DVec3, DVec3),
+        leaving: TriangleId,
+    ) -> bool {
+        let Some(segment) = self.segment(from, target, Some(leaving)) else { return false };
+        let Some(probe) = self.probe(&segment.ray) else { return false };
+        let end_mm = segment.length_mm - probe.advance_mm;
+        let (packet, mut lanes) = triangles.packet(&self.tree);
+        while lanes != 0 {
+            let found = probe.cross_lane(packet, walk::take_lane(&mut lanes));
+            if found.is_some_and(|crossing| crossing.t_mm < end_mm) {
+                return true;
+            }
+        }
+        false
     }
 
     #[inline(always)]

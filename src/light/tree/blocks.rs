@@ -55,6 +55,19 @@ impl Blocks {
         order.iter().map(|index| &self.source[*index as usize])
     }
 
+    /// A box of all samples as `moved` has them, 10⁻⁴ wider, so that rounded means of them lie in it.
+    pub fn bounds(&self, moved: impl Fn(DVec3) -> DVec3 + Sync) -> (DVec3, DVec3) {
+        let join = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
+        let nothing = || (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let of_block = |block: &Block| {
+            let places = self.samples_of(block).map(|sample| moved(sample.origin()));
+            places.map(|p| (p, p)).fold(nothing(), join)
+        };
+        let (low, high) = self.blocks.par_iter().map(of_block).reduce(nothing, join);
+        let margin = 1e-4 * low.distance(high);
+        (low - margin, high + margin)
+    }
+
     pub fn memory_bytes(&self) -> usize {
         size_of_val(&*self.blocks) + size_of_val(&*self.groups) + size_of_val(&*self.order)
     }

@@ -22,6 +22,19 @@ const SHADOW_LEVEL: usize = 1;
 /// With 0.5 instead, a reflector like model 1's took 110 nodes a hit rather than 89.
 const KEPT: f64 = 0.9;
 
+/// The bound within which all nodes' errors add up as if they had one sign. A smaller `light_error`
+/// asks so much only of nodes that are not [`Leaf::is_smooth`]; the others' errors, what a series or
+/// an interpolation leaves out of either sign, add up as independent ones.
+const LINEAR: f64 = 0.01;
+
+/// An estimate of independent errors covers this many standard deviations, were each node's error
+/// one. It is far more.
+const DEVIATIONS: f64 = 3.0;
+
+/// Largest error over value of a node that a series describes; beyond, the error is the most that the
+/// node may send, and the value less than that: errors of one sign.
+const SMOOTH: f32 = 0.3;
+
 /// A node that stands for its samples.
 #[derive(Debug, Clone, Copy)]
 struct Leaf {
@@ -31,6 +44,12 @@ struct Leaf {
     node: u32,
     /// What a hidden node would send if it were seen; 0 for a seen one.
     hidden: f32,
+}
+
+impl Leaf {
+    fn is_smooth(&self) -> bool {
+        self.error < SMOOTH * self.value
+    }
 }
 
 /// One side of a hit, and what it asks of the tree.
@@ -56,45 +75,63 @@ impl Descent<'_> {
         };
         let mut state = DescentState::new();
         self.expand_octet(0, 0, &node_query, &mut state);
-        while let Some(threshold) = self.threshold(&mut state) {
-            let too_wrong = |leaf: &Leaf| f64::from(leaf.error) > threshold;
+        while let Some([smooth, other]) = self.thresholds(&mut state) {
+            let threshold = |leaf: &Leaf| if leaf.is_smooth() { smooth } else { other };
+            let too_wrong = |leaf: &Leaf| f64::from(leaf.error) > threshold(leaf);
             state.expanded.extend(state.leaves.iter().copied().filter(too_wrong));
             state.leaves.retain(|leaf| !too_wrong(leaf));
             while let Some(leaf) = state.expanded.pop() {
                 self.expand(leaf, &node_query, &mut state);
             }
         }
-        let (value, error) = state.totals();
+        let (value, error) = (state.value(), self.estimate(&state));
         SideSum { sum: value, error, nodes: state.nodes, samples: state.samples }
     }
 
-    /// The error over which nodes are expanded; none once all of them are within the budget.
+    /// The errors over which smooth nodes and others are expanded; none once all of them are within
+    /// the budget.
     ///
     /// Nodes that stay may take [`KEPT`] of the budget; the others' children have the rest.
-    fn threshold(&self, state: &mut DescentState) -> Option<f64> {
+    fn thresholds(&self, state: &mut DescentState) -> Option<[f64; 2]> {
         if self.visible.is_some() {
             self.doubt_borders(state);
         }
-        let (value, error) = state.totals();
-        let budget = self.light_error * (value - error).max(self.dark_sum());
-        if error <= budget {
+        let (value, error) = (state.value(), state.error());
+        let bound = self.light_error.max(LINEAR);
+        let least = (value - error).max(self.dark_sum());
+        if error > bound * least {
+            // In the first rounds `value − error` says little; the value itself is the better guess.
+            let budget = (bound * least).max(0.5 * bound * value);
+            return Some([state.threshold(KEPT * budget, |leaf| f64::from(leaf.error)); 2]);
+        }
+        let budget = self.light_error * least;
+        if self.light_error >= LINEAR || self.estimate(state) <= budget {
             return None;
         }
-        let mut by_exponent = [0.0f64; 256];
-        for leaf in &state.leaves {
-            by_exponent[(leaf.error.to_bits() >> 23) as usize & 255] += f64::from(leaf.error);
+        let (smooth, other) = state.parted_errors();
+        // Each part has what the other leaves, at least half.
+        let [of_smooth, of_other] = [other, smooth].map(|rest| budget - rest.min(0.5 * budget));
+        let square =
+            |leaf: &Leaf| if leaf.is_smooth() { f64::from(leaf.error).powi(2) } else { 0.0 };
+        let plain = |leaf: &Leaf| if leaf.is_smooth() { 0.0 } else { f64::from(leaf.error) };
+        let squares = KEPT * (of_smooth / DEVIATIONS).powi(2);
+        let thresholds = [
+            (smooth > of_smooth).then(|| state.threshold(squares, square)),
+            (other > of_other).then(|| state.threshold(KEPT * of_other, plain)),
+        ];
+        // Neither, where only rounding is over the budget.
+        let any = thresholds.iter().any(Option::is_some);
+        any.then(|| thresholds.map(|threshold| threshold.unwrap_or(f64::INFINITY)))
+    }
+
+    /// Of the error that nodes have together.
+    fn estimate(&self, state: &DescentState) -> f64 {
+        let together = state.error();
+        if self.light_error >= LINEAR {
+            return together;
         }
-        // In the first rounds `value − error` says little; the value itself is the better guess.
-        let guess = KEPT * budget.max(0.5 * self.light_error * value);
-        let (mut stays, mut exponent) = (0.0, 0u32);
-        while exponent < 255 && stays + by_exponent[exponent as usize] <= guess {
-            stays += by_exponent[exponent as usize];
-            exponent += 1;
-        }
-        // All of the bucket at `exponent`: at least the largest are expanded.
-        let below = f32::from_bits((exponent << 23).saturating_sub(1));
-        let largest = state.leaves.iter().map(|leaf| leaf.error).fold(0.0, f32::max);
-        Some(f64::from(below.min(largest * 0.999)))
+        let (smooth, other) = state.parted_errors();
+        together.min(smooth + other)
     }
 
     fn dark_sum(&self) -> f64 {
@@ -178,6 +215,14 @@ impl Descent<'_> {
 
     /// Where seen and hidden nodes touch, any of them may be hidden in part.
     fn doubt_borders(&self, state: &mut DescentState) {
+        let (leaves, settled) = (&state.leaves, &state.settled);
+        let is_any_seen =
+            leaves.iter().any(|leaf| leaf.value > 0.0) || settled.iter().any(|it| it.is_seen);
+        let is_any_hidden =
+            leaves.iter().any(|leaf| leaf.hidden > 0.0) || settled.iter().any(|it| it.is_hidden);
+        if !(is_any_seen && is_any_hidden) {
+            return;
+        }
         let shade = |leaf: &Leaf| {
             let (center, radius) = self.sphere(leaf);
             Shade { center, radius, is_seen: leaf.value > 0.0, is_hidden: leaf.hidden > 0.0 }
@@ -241,10 +286,39 @@ impl DescentState {
         }
     }
 
-    /// (value, estimated error).
-    fn totals(&self) -> (f64, f64) {
-        let value: f64 = self.leaves.iter().map(|leaf| f64::from(leaf.value)).sum();
-        let error: f64 = self.leaves.iter().map(|leaf| f64::from(leaf.error)).sum();
-        (self.exact + value, error)
+    fn value(&self) -> f64 {
+        self.exact + self.leaves.iter().map(|leaf| f64::from(leaf.value)).sum::<f64>()
+    }
+
+    fn error(&self) -> f64 {
+        self.leaves.iter().map(|leaf| f64::from(leaf.error)).sum()
+    }
+
+    /// Of smooth nodes and of others.
+    fn parted_errors(&self) -> (f64, f64) {
+        let (mut squares, mut other) = (0.0, 0.0);
+        for leaf in &self.leaves {
+            let error = f64::from(leaf.error);
+            if leaf.is_smooth() { squares += error * error } else { other += error }
+        }
+        (DEVIATIONS * squares.sqrt(), other)
+    }
+
+    /// The error up to which nodes stay, so that what they weigh together is within `guess`.
+    fn threshold(&self, guess: f64, weight: impl Fn(&Leaf) -> f64) -> f64 {
+        let mut by_exponent = [0.0f64; 256];
+        for leaf in &self.leaves {
+            by_exponent[(leaf.error.to_bits() >> 23) as usize & 255] += weight(leaf);
+        }
+        let (mut stays, mut exponent) = (0.0, 0u32);
+        while exponent < 255 && stays + by_exponent[exponent as usize] <= guess {
+            stays += by_exponent[exponent as usize];
+            exponent += 1;
+        }
+        // All of the bucket at `exponent`: at least the largest are expanded.
+        let below = f32::from_bits((exponent << 23).saturating_sub(1));
+        let weighed = self.leaves.iter().filter(|leaf| weight(leaf) > 0.0);
+        let largest = weighed.map(|leaf| leaf.error).fold(0.0, f32::max);
+        f64::from(below.min(largest * 0.999))
     }
 }

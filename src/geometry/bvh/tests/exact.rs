@@ -62,7 +62,7 @@ fn weights_are_those_of_moller_and_trumbore() {
 }
 
 /// Triangles of all kinds: soups, shared corners, slivers, flat ones, doubles, degenerate ones.
-fn any_mesh(random: &mut Random, center: DVec3, size: f64) -> Arc<Mesh> {
+pub(super) fn any_mesh(random: &mut Random, center: DVec3, size: f64) -> Arc<Mesh> {
     let flat = random.below(4);
     let step = [0.0, 0.25][random.below(2)];
     let place = |random: &mut Random| {

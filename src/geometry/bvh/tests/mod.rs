@@ -1,5 +1,6 @@
 mod exact;
 mod leaving;
+mod shaft;
 mod watertight;
 
 use crate::geometry::random::Random;
