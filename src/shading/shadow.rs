@@ -75,12 +75,22 @@ impl Tracer<'_> {
         &self,
         light: usize,
         (surface, before): (&SurfacePoint, &Media),
-        mut take: impl FnMut(LightSum, Option<&Bands>),
+        take: impl FnMut(LightSum, Option<&Bands>),
     ) -> u64 {
         let between = self.between(light, (surface, Some(before)));
+        self.each_sum_through(&between, light, (surface, before), take)
+    }
+
+    fn each_sum_through(
+        &self,
+        between: &Between,
+        light: usize,
+        (surface, before): (&SurfacePoint, &Media),
+        mut take: impl FnMut(LightSum, Option<&Bands>),
+    ) -> u64 {
         if !between.dims {
             let (sum, shadow_rays) =
-                self.unveiled_sum(light, surface, self.limits.light_error, &between);
+                self.unveiled_sum(light, surface, self.limits.light_error, between);
             take(sum, None);
             return shadow_rays;
         }
@@ -93,10 +103,10 @@ impl Tracer<'_> {
             let visible = |position: DVec3| {
                 shadow_rays.set(shadow_rays.get() + 1);
                 let veil = || {
-                    let from = (surface, before, &between);
+                    let from = (surface, before, between);
                     self.find_veil(from, position, &mut veils.borrow_mut())
                 };
-                self.is_free(light, surface, position, &between) && veil() == at
+                self.is_free(light, surface, position, between) && veil() == at
             };
             let asked = (self.limits.light_error, Some(&visible as Visibility));
             let sum = self.both_sides(tree, &query, asked, surface);
@@ -290,5 +300,128 @@ impl Tracer<'_> {
             }
         }
         Some(left)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::geometry::Mesh;
+    use crate::geometry::mesh::Shading;
+    use crate::light::{RaySample, RaySet};
+    use crate::material::{Lobes, Material, SpecularLobe};
+    use crate::scene::{Light, MaterialId, Object, Prepared, Scene};
+    use crate::shading::walk::Arrival;
+    use crate::shading::{TraceLimits, TraceState};
+    use crate::source::sequence::random;
+    use crate::spectrum::{Spectrum, WavelengthGrid};
+
+    fn unit(i: u64, axis: u64) -> f64 {
+        random(1, i, axis)
+    }
+
+    /// A cuboid, its front outside.
+    fn cuboid(low: [f64; 3], high: [f64; 3]) -> Arc<Mesh> {
+        let at = |bits: usize| {
+            DVec3::from(std::array::from_fn(|i| if bits >> i & 1 == 1 { high[i] } else { low[i] }))
+        };
+        let faces =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let halves = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        let (positions, triangles) = ((0..8).map(at).collect(), halves.collect());
+        Arc::new(Mesh { positions, triangles, shading: Shading::Flat })
+    }
+
+    /// A ball of samples over a floor, with a wall, a red slab that stands in water, and a filter.
+    fn lit_floor(photometry: Photometry) -> Prepared {
+        let red = Spectrum::from_pairs("red", [(380.0, 0.2), (780.0, 0.8)]).unwrap();
+        let lobes = Lobes {
+            k_d: 0.5,
+            specular: vec![SpecularLobe { k_s: 0.5, n_s: 20.0 }],
+            ..Lobes::default()
+        };
+        let opaque = Material { lobes, k_rg: 0.5, ..Material::default() };
+        let clear = Material { transmittance: Some(red), k_tg: 0.9, ..opaque.clone() };
+        let slab = Material { thickness_mm: Some(3.0), ..clear.clone() };
+        let objects = [
+            (cuboid([-40.0, -40.0, -1.0], [40.0, 40.0, 0.0]), 0),
+            (cuboid([5.0, -8.0, 10.0], [6.0, 8.0, 25.0]), 0),
+            (cuboid([-20.0, -20.0, 5.0], [-4.0, 20.0, 8.0]), 2),
+            (cuboid([-30.0, 2.0, 3.0], [20.0, 20.0, 6.0]), 2),
+            (cuboid([-3.0, -25.0, 2.0], [25.0, -12.0, 2.5]), 1),
+        ];
+        let sample = |i: u64| RaySample {
+            position: std::array::from_fn(|axis| (2.0 * unit(i, axis as u64) - 1.0) as f32),
+            direction: std::array::from_fn(|axis| (unit(i, 3 + axis as u64) - 0.5) as f32),
+            flux: 1.0,
+        };
+        let mut rays = RaySet::new((0..5000).map(sample).collect(), 100.0);
+        rays.world_from_local.translation = DVec3::new(0.0, 0.0, 20.0);
+        let scene = Scene {
+            objects: objects
+                .into_iter()
+                .map(|(mesh, material)| Object { mesh, material: MaterialId(material) })
+                .collect(),
+            materials: vec![opaque, clear, slab],
+            lights: vec![Light::new(rays, Spectrum::constant(1.0))],
+            photometry,
+            shadows: Shadows::On,
+            ..Scene::default()
+        };
+        scene.prepare().unwrap()
+    }
+
+    /// Both sums, as far as they pass, and how many veils there were.
+    fn passed(tracer: &Tracer, between: &Between, from: (&SurfacePoint, &Media)) -> [f64; 3] {
+        let mut total = [0.0; 3];
+        tracer.each_sum_through(between, 0, from, |sum, left| {
+            let left = left.map_or(1.0, |left| left.as_slice().iter().sum::<f64>() / 81.0);
+            total[0] += left * sum.reflected;
+            total[1] += left * sum.transmitted;
+            total[2] += 1.0;
+        });
+        total
+    }
+
+    /// What is asked once for a hit, against every segment by itself.
+    #[test]
+    fn what_stands_between_is_what_every_segment_meets() {
+        for (photometry, light_error) in
+            [(Photometry::Relative, 0.0), (Photometry::Absolute, 0.0), (Photometry::Absolute, 0.01)]
+        {
+            let prepared = lit_floor(photometry);
+            let tables = prepared.tables(WavelengthGrid::Step5).unwrap();
+            let limits = TraceLimits { light_error, ..TraceLimits::default() };
+            let tracer = Tracer { prepared: &prepared, tables, limits };
+            // Hits, and those of them that see all, some or none of the light, or see it dimmed.
+            let mut seen = [0; 4];
+            for i in 0..400 {
+                let at = |axis| 70.0 * (unit(i, axis) - 0.5);
+                let origin = DVec3::new(at(0), at(1), 60.0);
+                let direction = (DVec3::new(at(2), at(3), 0.0) - origin).normalize();
+                let mut state = TraceState::default();
+                tracer.walk(Ray { origin, direction }, &mut state, |branch, arrival, _| {
+                    let Arrival::Hit(surface) = arrival else { return };
+                    let from = (surface, &branch.media);
+                    let between = tracer.between(0, (surface, Some(&branch.media)));
+                    let unknown = Between { shaft: None, hides: true, dims: tracer.attenuates() };
+                    let (quick, plain) =
+                        (passed(&tracer, &between, from), passed(&tracer, &unknown, from));
+                    for side in 0..2 {
+                        // f32 lanes of another order, or both within their bounds.
+                        let most = (1e-5 + 2.0 * light_error) * plain[side];
+                        assert!((quick[side] - plain[side]).abs() <= most, "{quick:?} {plain:?}");
+                    }
+                    seen[0] += 1;
+                    seen[1] += usize::from(!between.hides);
+                    seen[2] += usize::from(between.hides && plain[0] + plain[1] == 0.0);
+                    seen[3] += usize::from(quick[2] > 1.0);
+                });
+            }
+            assert!(seen[0] > 500 && seen[1] > 200 && seen[2] > 20, "{seen:?}");
+            assert!((seen[3] > 50) == (photometry == Photometry::Absolute), "{seen:?}");
+        }
     }
 }

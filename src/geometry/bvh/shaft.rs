@@ -297,7 +297,7 @@ impl Slabs {
             let plane = &node.planes[2 * axis + usize::from(n > 0.0)];
             top = std::array::from_fn(|lane| top[lane] + n * plane[lane]);
         }
-        let meets = |i: usize| (near[i] <= far[i]) & !(top[i] < 0.0);
+        let meets = |i: usize| (near[i] <= far[i]) & (top[i] >= 0.0);
         (0..LANES).fold(0, |bits, lane| bits | u32::from(meets(lane)) << lane)
     }
 }
@@ -369,16 +369,15 @@ impl Sides {
         let [a, b, c] = corners.map(|corner| corner - self.point);
         let far = 2.0 * self.slack_mm * (self.middle.abs() + self.half).max_element();
         let lengths = [a, b, c].map(|corner| far * corner.length());
-        let edge = |from: DVec3, to: DVec3, opposite: DVec3| {
-            let n = from.cross(to);
-            n * n.dot(opposite).signum()
-        };
-        let edges = [edge(a, b, c), edge(b, c, a), edge(c, a, b)];
-        // Moving the start by the slack turns the plane by that over the edge's distance.
+        // Moving the start by the slack turns an edge's plane by that over the edge's distance.
         let slacks = [lengths[0] + lengths[1], lengths[1] + lengths[2], lengths[2] + lengths[0]];
+        let volume = a.cross(b).dot(c);
+        // Of a sliver, or one seen edge-on, no side of an edge is sure to be inside.
+        let is_turned = volume.abs() > slacks[0].max(slacks[1]).max(slacks[2]);
+        let edges = [a.cross(b), b.cross(c), c.cross(a)].map(|n| n * volume.signum());
         let is_past =
             |i: usize| edges[i].dot(self.middle) + self.half.dot(edges[i].abs()) < -slacks[i];
-        if (0..3).any(is_past) {
+        if is_turned && (0..3).any(is_past) {
             return None;
         }
         let across = (b - a).cross(c - a);
@@ -392,7 +391,7 @@ impl Sides {
         if lowest > self.slack_mm && least >= 0.5 * self.lift_mm {
             return None;
         }
-        let is_sure = least > self.slack_mm;
+        let is_sure = is_turned && least > self.slack_mm;
         Some(Pyramid { edges, slacks, normal, height, slack_mm: self.slack_mm, is_sure })
     }
 }
@@ -408,7 +407,7 @@ struct Pyramid {
     /// Of the hit over the triangle's plane, mm.
     height: f64,
     slack_mm: f64,
-    /// False where the hit lies in the triangle's plane.
+    /// False for slivers, and where the hit lies in the triangle's plane.
     is_sure: bool,
 }
 
