@@ -42,11 +42,11 @@ fn visible_filament() -> Light {
     }
 }
 
-/// z = r²/(4 f) from r = 12 to 60 mm, with the surface's own normals.
+/// z = r²/(4 f) from r = 12 to 60 mm, its front toward the axis, with the surface's own normals.
 fn paraboloid() -> Mesh {
     let (around, along) = (480, 120);
     let point = |k: usize| {
-        let angle = TAU * (k % (around + 1)) as f64 / around as f64;
+        let angle = -TAU * (k % (around + 1)) as f64 / around as f64;
         let r = 12.0 + 48.0 * (k / (around + 1)) as f64 / along as f64;
         DVec3::new(r * angle.cos(), r * angle.sin(), r * r / (4.0 * FOCAL_MM))
     };
