@@ -366,9 +366,7 @@ refuse("NaN position", "finite", function()
   lampyris.mesh.new { positions = { { 0 / 0, 0, 0 } }, triangles = { { 1, 1, 1 } } }
 end)
 refuse("NaN flux", "\"flux\"", function() lamp_at({ 0, 0, 1 }, { 0, 0, -1 }, 0 / 0) end)
-refuse("flux 10¹⁰⁰ lm", "radiance of pixel (0, 0) is inf", function()
-  look({ plate }, { lamp_at({ 0, 0, 1 }, { 0, 0, -1 }, 1e100) })
-end)
+refuse("flux 10¹⁰⁰ lm", "1e32", function() lamp_at({ 0, 0, 1 }, { 0, 0, -1 }, 1e100) end)
 refuse("direction 0", "allowed: any direction", function() lamp_at({ 0, 0, 1 }, { 0, 0, 0 }, 1) end)
 refuse("light without luminous flux", "no luminous flux", function()
   local dark = lampyris.rayset.new {
