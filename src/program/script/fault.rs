@@ -122,6 +122,10 @@ pub(super) fn call(lua: &Lua, chunk: Function) -> mlua::Result<()> {
     match xpcall.call::<(bool, Value)>((chunk, handler))? {
         (true, _) => Ok(()),
         (false, Value::Error(error)) => Err(*error),
+        // Lua asks no handler where memory is short.
+        (false, Value::String(text)) if text.as_bytes() == b"not enough memory".as_slice() => {
+            Err(mlua::Error::MemoryError(text.to_string_lossy()))
+        }
         (false, other) => Err(mlua::Error::RuntimeError(shown(&other))),
     }
 }
