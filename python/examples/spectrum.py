@@ -4,6 +4,7 @@
 """
 
 import sys
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -24,6 +25,10 @@ left.set_title(f"pixel ({x}, {y})")
 xyz = image.xyz.reshape(-1, 3)
 lit = xyz[xyz[:, 1] > 0.01 * xyz[:, 1].max()]
 xy = lit[:, :2] / lit.sum(axis=1, keepdims=True)
+cmf = Path(__file__).parents[2] / "data" / "cie" / "cie1931_2deg_cmf_5nm_380_780.csv"
+locus = np.loadtxt(cmf, delimiter=",", skiprows=3)[:, 1:4]
+locus = locus[:, :2] / locus.sum(axis=1, keepdims=True)
+right.plot(*np.vstack([locus, locus[:1]]).T, color="black", linewidth=1, label="spectrum and purples")
 srgb = np.array([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.64, 0.33]])
 right.plot(*srgb.T, color="gray", label="sRGB")
 right.plot(*xy.T, ".", markersize=2, label="lit pixels")

@@ -65,7 +65,7 @@ def read_image(path: str | os.PathLike) -> Image:
     Raises ValueError for a file without spectral bands (such as one saved with ``bands = "none"``).
     """
     with OpenEXR.File(os.fspath(path), separate_channels=True) as file:
-        header = file.header()
+        header = dict(file.header())  # closing the file empties its own
         channels = {name: channel.pixels for name, channel in file.channels().items()}
     bands = {}
     for name in list(channels):

@@ -12,6 +12,7 @@ pub mod intensity;
 pub mod memory;
 pub mod progress;
 pub mod results;
+pub mod run_crate;
 pub mod screen;
 pub mod script;
 pub mod stage;

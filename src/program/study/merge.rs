@@ -6,12 +6,11 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::page;
-use super::run::{DRAWS, RECORD, Study, claim, shard_of_table};
+use super::run::{DRAWS, RECORD, Study, claim, shard_of_table, write_pages};
 use super::table::DrawTable;
 use crate::error::{Error, Place, Result};
 use crate::output;
-use crate::program::sweep::{Merged, Shard, fault};
+use crate::program::sweep::{Digest, FileDigest, Merged, Shard, Source, fault};
 
 /// Whether a folder holds a study, or shards of one.
 pub fn is_study(folder: &Path) -> bool {
@@ -35,6 +34,20 @@ fn study_of(folder: &Path, record: &Value) -> Result<Study> {
     Ok(study)
 }
 
+/// What a record says that the draws were made from.
+fn source_of(record: &Value) -> Source {
+    let list = |key: &str| record.get(key).and_then(Value::as_array).into_iter().flatten();
+    let mut read = list("read").filter_map(FileDigest::from_json);
+    Source {
+        program: record.get("program").and_then(Value::as_str).unwrap_or_default().to_owned(),
+        executable: record.get("executable").and_then(Value::as_str).and_then(Digest::parse),
+        arguments: list("arguments").filter_map(Value::as_str).map(str::to_owned).collect(),
+        script: read.next(),
+        inputs: read.collect(),
+        seeds: Value::Null,
+    }
+}
+
 /// Makes the whole study in `into` from the tables of its shards in `folders`: the bytes of one run.
 ///
 /// Errors: shards that are missing, unfinished or of different studies, and what differs; a table
@@ -56,7 +69,7 @@ pub fn merge(folders: &[PathBuf], into: &Path) -> Result<Merged> {
     fs::create_dir_all(into).map_err(|e| Error::io(into, e))?;
     claim(into, &text)?;
     output::write_text(&into.join(DRAWS), &table.to_csv())?;
-    page::write(into, &study, &table)?;
+    write_pages(into, &study, &source_of(&value), &table)?;
     for (_, path, _) in tables.iter().filter(|(_, path, _)| path.parent() == Some(into)) {
         fs::remove_file(path).map_err(|e| Error::io(path, e))?;
     }

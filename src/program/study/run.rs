@@ -11,6 +11,7 @@ use super::sensitivity::{Sensitivity, sensitivity};
 use super::table::{DrawTable, Writer};
 use crate::error::{Error, Result};
 use crate::output;
+use crate::program::run_crate::RunCrate;
 use crate::program::sweep::{Digest, FileDigest, Shard, Source};
 
 /// A parameter and how it varies.
@@ -138,7 +139,7 @@ impl Study {
         }
         let table = writer.into_table();
         if table.rows.len() == draws.count() {
-            page::write(folder, self, &table)?;
+            write_pages(folder, self, source, &table)?;
         }
         Ok(StudyOutcome { table, made: missing.len(), moved })
     }
@@ -201,6 +202,19 @@ impl Study {
             shard: None,
         })
     }
+}
+
+/// What people and other programs read of a whole study.
+pub(super) fn write_pages(
+    folder: &Path,
+    study: &Study,
+    source: &Source,
+    table: &DrawTable,
+) -> Result<()> {
+    page::write(folder, study, table)?;
+    let results = [DRAWS, "index.html"].map(str::to_owned).to_vec();
+    let others = vec![RECORD.to_owned()];
+    RunCrate { kind: "Study", source, results, others }.write(folder)
 }
 
 /// The only format so far.

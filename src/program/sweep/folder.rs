@@ -12,6 +12,7 @@ use super::{page, timings};
 use crate::display::GamutReport;
 use crate::error::{Error, Result};
 use crate::output;
+use crate::program::run_crate::{RUN_CRATE, RunCrate};
 
 /// Name of a whole sweep's manifest.
 pub const MANIFEST: &str = "manifest.json";
@@ -166,6 +167,7 @@ impl Folder {
         if self.shard.is_none() {
             gamut = pictures.write_all(&self.path, &mut self.manifest.views)?;
             self.manifest.pages = page::write(&self.path, &self.manifest)?;
+            self.write_run_crate()?;
         }
         self.manifest.write(&self.manifest_path())?;
         remove(&log_path(&self.manifest_path()))?;
@@ -173,6 +175,21 @@ impl Folder {
             self.remove_left_over()?;
         }
         Ok(gamut)
+    }
+
+    /// The same for other programs.
+    fn write_run_crate(&mut self) -> Result<()> {
+        let views = self.manifest.views.iter().flat_map(Entry::files);
+        let results = views.chain(&self.manifest.pages).map(|file| file.path.clone());
+        let record = RunCrate {
+            kind: "Sweep",
+            source: &self.manifest.source,
+            results: results.collect(),
+            others: vec![MANIFEST.to_owned(), timings::name(None)],
+        };
+        record.write(&self.path)?;
+        self.manifest.pages.push(FileDigest::of(&self.path, RUN_CRATE)?);
+        Ok(())
     }
 
     fn timings_of_views(&self) -> BTreeMap<String, f64> {
