@@ -43,6 +43,9 @@ enum Command {
         /// Render a part of each sweep, such as 3/40; `lampyris merge` joins the parts
         #[arg(long, value_name = "NUMBER/COUNT")]
         shard: Option<Shard>,
+        /// Say which views and draws sweeps and studies would make, and why; make none of them
+        #[arg(long)]
+        dry_run: bool,
         /// Arguments for the script, after --
         #[arg(last = true)]
         arguments: Vec<String>,
@@ -99,9 +102,10 @@ enum Command {
     },
     /// Write a commented script to start from: NAME.lua
     New { name: String },
-    /// Check the files of a sweep against its manifest
+    /// Check the files of a sweep or study against their record, also before a merge
     Verify {
-        #[arg(value_name = "manifest.json")]
+        /// Folder, or a manifest
+        #[arg(value_name = "DIR")]
         manifest: PathBuf,
         /// Check this script and what it read, too
         #[arg(long, value_name = "SCRIPT")]
@@ -181,8 +185,8 @@ const INTERRUPTED: u8 = 130;
 fn main() -> ExitCode {
     std::panic::set_hook(Box::new(report_bug));
     match CommandLine::parse().command {
-        Command::Run { script, options, shard, arguments } => options.start(|settings| {
-            let settings = Settings { shard, arguments, ..settings };
+        Command::Run { script, options, shard, dry_run, arguments } => options.start(|settings| {
+            let settings = Settings { shard, is_dry_run: dry_run, arguments, ..settings };
             end_when_stuck(settings.clone());
             confine_reading(&script, &settings)?;
             script::run(&script, settings)
@@ -242,7 +246,8 @@ fn main() -> ExitCode {
                 false => (sweep::merge(&folders, into), "views"),
             };
             match merged {
-                Ok(sweep::Merged { shards, views }) => {
+                Ok(sweep::Merged { moved, shards, views }) => {
+                    moved.into_iter().for_each(|moved| eprintln!("warning: merge: {moved}"));
                     say(&format!("{}: {shards} shards, {views} {unit}", into.display()))
                 }
                 Err(error) => exit_code(Err(error)),
@@ -446,7 +451,11 @@ fn exposure_from_text(text: &str) -> Result<Exposure, String> {
 }
 
 fn verify(manifest: &std::path::Path, script: Option<&std::path::Path>) -> ExitCode {
-    let report = match sweep::verify(manifest, script) {
+    let found = match study::is_study(manifest) {
+        true => study::verify(manifest, script),
+        false => sweep::verify(manifest, script),
+    };
+    let report = match found {
         Ok(report) => report,
         Err(error) => return exit_code(Err(error)),
     };

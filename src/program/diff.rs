@@ -67,8 +67,9 @@ fn named(record: &Value, list: &str) -> BTreeMap<String, String> {
 }
 
 fn is_derived(path: &str) -> bool {
-    let ends = ["key", "index"].map(|key| path.ends_with(&format!(".{key}")));
-    ends.contains(&true) || path.contains(".outputs[")
+    let ends = [".key", ".picture_key", ".index", ".details.measured"];
+    let holds = [".outputs[", ".pictures["];
+    ends.iter().any(|end| path.ends_with(end)) || holds.iter().any(|part| path.contains(part))
 }
 
 fn collect(path: &str, value: &Value, leaves: &mut BTreeMap<String, String>) {

@@ -60,11 +60,11 @@ impl Bench {
         self.fail(&["run", "script.lua"])
     }
 
-    /// All files of a folder, hidden ones too, but for the one that tells seconds.
+    /// All files right in a folder, hidden ones too, but for the one that tells seconds.
     pub fn files(&self, folder: &str) -> BTreeMap<String, Vec<u8>> {
         let entries = fs::read_dir(self.path(folder)).expect("a folder");
-        let files = entries.map(|entry| {
-            let entry = entry.expect("an entry");
+        let entries = entries.map(|entry| entry.expect("an entry"));
+        let files = entries.filter(|entry| entry.path().is_file()).map(|entry| {
             let name = entry.file_name().into_string().expect("a name");
             (name, fs::read(entry.path()).expect("a readable file"))
         });

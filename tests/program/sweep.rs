@@ -400,7 +400,8 @@ fn functions_give_views_one_by_one_or_yield_them() {
         assert_eq!(finish(&bench), (8, 0), "{way}");
         let files = bench.files("out/s");
         for (name, bytes) in &listed {
-            let of_script = name == "manifest.json" || name == "index.html";
+            let of_script = ["manifest.json", "index.html", "ro-crate-metadata.json"];
+            let of_script = of_script.contains(&name.as_str());
             assert!(of_script || files[name] == *bytes, "{way}: {name} differs");
         }
     }
@@ -451,4 +452,81 @@ fn machines_read_lines_of_json() {
     let event: serde_json::Value =
         serde_json::from_str(&text(&output.stderr)).expect("a line of JSON");
     assert_eq!(event["message"], "wrong.lua:1: x");
+}
+
+#[test]
+fn a_dry_run_and_a_run_say_why_views_are_rendered_again() {
+    let bench = bench();
+    const DRY: [&str; 4] = ["run", "sweep.lua", "--quiet", "--dry-run"];
+    let all = bench.succeed(&DRY);
+    assert!(all.starts_with("out/s: 8 views would be rendered, 0 are there\n"), "{all}");
+    assert!(all.contains("  view_0003: is not there yet\n"), "{all}");
+    assert!(bench.files("out/s").is_empty(), "a dry run writes nothing");
+    finish(&bench);
+    let before = bench.files("out/s");
+    let none = bench.succeed(&DRY);
+    assert!(none.starts_with("out/s: 0 views would be rendered, 8 are there\n"), "{none}");
+    for (from, to, cause) in [
+        ("k_s = 0.9", "k_s = 0.8", "the scene has changed"),
+        ("samples = 9", "samples = 4", "the quality has changed"),
+        ("fov = ", "fov = 0.5 * ", "the view has changed"),
+    ] {
+        assert!(SCRIPT.contains(from), "{from}");
+        bench.write("sweep.lua", &SCRIPT.replace(from, to));
+        let said = bench.succeed(&DRY);
+        assert!(said.contains(&format!("  view_0008: {cause}\n")), "{cause}: {said}");
+    }
+    bench.write("sweep.lua", SCRIPT);
+    fs::write(bench.path("out/s/view_0002.exr"), "changed").expect("a written file");
+    let said = bench.succeed(&DRY);
+    let missing = "view_0002: its image is missing or not as it was written";
+    assert!(said.contains("1 views would be") && said.contains(missing), "{said}");
+    let run = text(&bench.run(&RUN).stderr);
+    let again = "rendered again, since its image is missing or not as it was written: view_0002";
+    assert!(run.contains(again), "{run}");
+    assert_same(&bench.files("out/s"), &before);
+}
+
+#[test]
+fn a_shorter_sweep_moves_what_is_left_aside_and_says_so() {
+    let bench = bench();
+    finish(&bench);
+    let picture = fs::read(bench.path("out/s/view_0008.png")).expect("a picture");
+    let shorter = SCRIPT.replace("k = 1, 8", "k = 1, 6");
+    bench.write("sweep.lua", &shorter);
+    let dry = bench.succeed(&["run", "sweep.lua", "--quiet", "--dry-run"]);
+    assert!(dry.contains("  view_0008: is not of this sweep, its files would be moved"), "{dry}");
+    let said = text(&bench.run(&RUN).stderr);
+    let (before, rest) = said.split_once("now in ").expect("a place");
+    assert!(before.contains("views of an earlier sweep into this folder"), "{said}");
+    let (aside, views) = rest.split_once(": ").expect("views");
+    assert_eq!(views.trim_end(), "view_0007, view_0008");
+    assert_eq!(fs::read(bench.path(aside).join("view_0008.png")).expect("a picture"), picture);
+    assert!(!bench.path("out/s/view_0008.png").exists());
+    assert!(bench.succeed(&["verify", "out/s"]).contains("files are as they were"));
+}
+
+#[test]
+fn one_folder_for_each_sweep_of_a_script() {
+    let bench = bench();
+    bench.write("sweep.lua", &format!("{SCRIPT}\n{SCRIPT}"));
+    let message = text(&bench.run(&RUN).stderr);
+    let expected =
+        "sweep: \"output\" is \"s\", into which this script has swept or studied already";
+    assert!(message.contains(expected), "{message}");
+}
+
+#[test]
+fn a_folder_is_verified_before_it_is_merged() {
+    let bench = bench();
+    assert!(bench.fail(&["verify", "."]).contains("holds no manifest of a sweep and no study"));
+    bench.succeed(&["run", "sweep.lua", "--quiet", "--shard", "1/2"]);
+    assert!(bench.fail(&["verify", "out/s"]).contains("missing shards: 2/2"));
+    bench.succeed(&["run", "sweep.lua", "--quiet", "--shard", "2/2"]);
+    let whole = bench.run(&["verify", "out/s", "--script", "sweep.lua"]);
+    assert!(whole.status.success());
+    assert_eq!(text(&whole.stderr), "note: all 2 shards are there: merge joins them\n");
+    fs::write(bench.path("out/s/view_0001.exr"), "changed").expect("a written file");
+    let message = bench.fail(&["verify", "out/s"]);
+    assert!(message.contains("view_0001.exr: content has changed"), "{message}");
 }

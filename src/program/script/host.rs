@@ -1,5 +1,6 @@
 //! What a running script knows of its surroundings: folders, output, warnings, Ctrl-C.
 
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -33,6 +34,8 @@ pub struct Settings {
     pub read: Vec<PathBuf>,
     /// Bytes that the program may use, Lua's among them.
     pub max_memory: Option<usize>,
+    /// Tell what sweeps and studies would make, and make nothing of it.
+    pub is_dry_run: bool,
     /// The part of each sweep to render.
     pub shard: Option<Shard>,
     /// What is kept from one run to the next.
@@ -76,6 +79,8 @@ pub struct Host {
     /// Bytes of big things made since garbage was last collected.
     uncollected: Arc<AtomicUsize>,
     seeds: Arc<Mutex<Vec<(String, u64)>>>,
+    /// Folders that sweeps and studies have.
+    claimed: Arc<Mutex<BTreeSet<PathBuf>>>,
 }
 
 /// A file that the script read.
@@ -129,6 +134,7 @@ impl Host {
             clipped: Arc::default(),
             inputs: Arc::default(),
             seeds: Arc::default(),
+            claimed: Arc::default(),
         }
     }
 
@@ -310,6 +316,23 @@ impl Host {
         Ok(target)
     }
 
+    /// [`Self::output_folder`] for one sweep or study of the script alone.
+    ///
+    /// Errors: another one of this script has the same.
+    pub fn claim_folder(&self, object: &str, path: &str) -> Result<PathBuf> {
+        let folder = self.output_folder(path)?;
+        let is_new = locked(&self.claimed).insert(folder.clone());
+        // At a prompt a line is typed again.
+        if is_new || self.script_input().is_none() {
+            return Ok(folder);
+        }
+        let problem = format!(
+            "\"output\" is \"{path}\", into which this script has swept or studied already: each needs a \
+             folder of its own"
+        );
+        Err(Error::inconsistent(object, problem))
+    }
+
     /// A folder of its own below the output folder, made. Errors: as [`Host::output`].
     pub fn output_folder(&self, path: &str) -> Result<PathBuf> {
         let file = self.output(&format!("{path}/{}", sweep::MANIFEST))?;
@@ -339,6 +362,11 @@ impl Host {
     pub(super) fn forget_warnings(&self) {
         locked(&self.warnings).clear();
         *locked(&self.clipped) = Clipped::default();
+    }
+
+    /// A line on standard output; nobody may be listening any more, which is no fault.
+    pub fn say(&self, line: &str) {
+        let _ = writeln!(std::io::stdout(), "{line}");
     }
 
     /// Prints each warning once, with how often it came.

@@ -79,11 +79,19 @@ fn study(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Table> {
         shard: host.settings.shard,
     };
     study.check()?;
-    let folder = host.output_folder(&given.output)?;
+    let folder = host.claim_folder("study", &given.output)?;
     let progress = host.progress(0);
     let begin = |made: usize, of: usize| progress.begin_draw(made + 1, of);
     let run = |cells: &[(String, f64)]| results(given.run.call(table_of(lua, cells)?)?);
     let made_from = source(&host, &mut Default::default())?;
+    if host.settings.is_dry_run {
+        let table = study.made(&folder, &made_from)?;
+        let made = table.rows.len();
+        let left = study.own_draws().count().saturating_sub(made);
+        let folder = folder.display();
+        host.say(&format!("{folder}: {left} draws would be made, {made} are there"));
+        return answer(lua, study, StudyOutcome { table, made: 0, moved: None });
+    }
     let done = study.run(&folder, &made_from, begin, run)?;
     if let Some(moved) = &done.moved {
         let moved = moved.display();

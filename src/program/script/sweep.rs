@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use mlua::{Lua, Table, Value};
@@ -23,7 +23,9 @@ use crate::display::{Look, Tone};
 use crate::image::Region;
 use crate::program::fields::Cell;
 use crate::program::results::SWEPT;
-use crate::program::sweep::{self, Digest, FileDigest, Pictures, Plan, Share, Shot, Source};
+use crate::program::sweep::{
+    self, Digest, FileDigest, Pictures, Plan, Share, Shot, Source, SweepOutcome,
+};
 use crate::render::{Asked, Quality};
 
 options! {
@@ -85,16 +87,32 @@ fn sweep(lua: &Lua, mut arguments: Arguments) -> mlua::Result<Cell> {
         progress: &host.progress(views.pixels_where(ours)),
         warn: &|warning| host.warn(warning),
         screen: host.settings.screen.as_deref(),
+        is_dry_run: host.settings.is_dry_run,
     };
     let output = given.output;
-    let path = host.output_folder(&output)?;
+    let path = host.claim_folder("sweep", &output)?;
     let count = views.count();
     let shots = (1..).map_while(|index| views.next(lua, index).transpose());
     let done = plan.run(&path, shots, count)?;
+    if plan.is_dry_run {
+        tell_dry_run(&host, &path, &done);
+    }
     host.note_clipped(&plan.pictures.look, &done.gamut, done.rendered + done.kept);
     let mut report = vec![("folder", path.display().to_string().as_str().into())];
     report.extend(SWEPT.cells(&done));
     Ok(Cell::Record(report))
+}
+
+/// On standard output, which is what a dry run is for.
+fn tell_dry_run(host: &Host, folder: &Path, done: &SweepOutcome) {
+    let (folder, SweepOutcome { rendered, kept, .. }) = (folder.display(), done);
+    host.say(&format!("{folder}: {rendered} views would be rendered, {kept} are there"));
+    for (view, cause) in &done.causes {
+        host.say(&format!("  {view}: {}", cause.unwrap_or("is not there yet")));
+    }
+    for view in &done.left_over {
+        host.say(&format!("  {view}: is not of this sweep, its files would be moved aside"));
+    }
 }
 
 /// What a function does is in the script and in what it reads.

@@ -10,7 +10,7 @@ use super::run::{DRAWS, RECORD, Study, claim, shard_of_table, write_pages};
 use super::table::DrawTable;
 use crate::error::{Error, Place, Result};
 use crate::output;
-use crate::program::sweep::{Digest, FileDigest, Merged, Shard, Source, fault};
+use crate::program::sweep::{Digest, FileDigest, Merged, Report, Shard, Source, fault};
 
 /// Whether a folder holds a study, or shards of one.
 pub fn is_study(folder: &Path) -> bool {
@@ -62,18 +62,43 @@ pub fn merge(folders: &[PathBuf], into: &Path) -> Result<Merged> {
     if tables.is_empty() && folders.iter().all(|folder| folder == into) {
         let table = DrawTable::read(&into.join(DRAWS))?;
         check_complete(&study, &table)?;
-        return Ok(Merged { shards: 0, views: table.rows.len() });
+        return Ok(Merged { moved: None, shards: 0, views: table.rows.len() });
     }
     let table = joined(&tables)?;
     check_complete(&study, &table)?;
-    fs::create_dir_all(into).map_err(|e| Error::io(into, e))?;
-    claim(into, &text)?;
+    output::make_folder(into)?;
+    let moved = claim(into, &text)?;
     output::write_text(&into.join(DRAWS), &table.to_csv())?;
     write_pages(into, &study, &source_of(&value), &table)?;
     for (_, path, _) in tables.iter().filter(|(_, path, _)| path.parent() == Some(into)) {
         fs::remove_file(path).map_err(|e| Error::io(path, e))?;
     }
-    Ok(Merged { shards: tables.len(), views: table.rows.len() })
+    let moved = moved.map(|aside| format!("draws of another study are now in {}", aside.display()));
+    Ok(Merged { moved, shards: tables.len(), views: table.rows.len() })
+}
+
+/// Says whether a study's table is whole and of its own design, and with `script` whether that and
+/// its inputs are as they were.
+///
+/// Errors: a record or table that does not read.
+pub fn verify(folder: &Path, script: Option<&Path>) -> Result<Report> {
+    let (_, value) = record(folder)?;
+    let study = study_of(folder, &value)?;
+    let mut report = Report::default();
+    let mut tables = tables(&[folder.to_owned()])?;
+    if tables.is_empty() {
+        let path = folder.join(DRAWS);
+        tables.push((Shard { number: 1, count: 1 }, path.clone(), DrawTable::read(&path)?));
+    }
+    let table = joined(&tables).unwrap_or_default();
+    match check_complete(&study, &table) {
+        Ok(()) => report.good += 1,
+        Err(problem) => report.problems.push(problem.to_string()),
+    }
+    if let Some(script) = script {
+        report.check_source(&source_of(&value), script);
+    }
+    Ok(report)
 }
 
 /// Errors: another record, and which of its entries differ.

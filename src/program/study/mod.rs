@@ -15,7 +15,7 @@ mod table;
 
 pub use design::{Design, Draws, MOST_DRAWS, MOST_PARAMETERS};
 pub use distribution::{Distribution, normal_quantile};
-pub use merge::{is_study, merge};
+pub use merge::{is_study, merge, verify};
 pub use run::{DRAWS, Parameter, RECORD, Study, StudyOutcome};
 pub use sensitivity::{Sensitivity, sensitivity};
 pub use summary::{Interval, mean, percentile_interval, probability, standard_deviation};

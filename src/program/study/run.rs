@@ -125,8 +125,7 @@ impl Study {
         writer.table().rows.iter().filter(|(i, _)| *i < draws.count()).for_each(|(index, _)| {
             is_made[*index] = true;
         });
-        let ours = (0..draws.count()).filter(|i| self.shard.is_none_or(|shard| shard.has(i + 1)));
-        let missing: Vec<usize> = ours.filter(|&index| !is_made[index]).collect();
+        let missing: Vec<usize> = self.own_draws().filter(|&index| !is_made[index]).collect();
         for (made, &index) in missing.iter().enumerate() {
             begin(made, missing.len());
             let mut cells = self.values(&draws, index);
@@ -142,6 +141,21 @@ impl Study {
             write_pages(folder, self, source, &table)?;
         }
         Ok(StudyOutcome { table, made: missing.len(), moved })
+    }
+
+    /// Indices of the draws that are this run's to make.
+    pub fn own_draws(&self) -> impl Iterator<Item = usize> {
+        let shard = self.shard;
+        (0..self.draws().count()).filter(move |i| shard.is_none_or(|shard| shard.has(i + 1)))
+    }
+
+    /// The draws of this run that `folder` holds already. Errors: as [`Self::run`].
+    pub fn made(&self, folder: &Path, source: &Source) -> Result<DrawTable> {
+        let known = std::fs::read_to_string(folder.join(RECORD)).ok();
+        match known.as_deref() == Some(self.record_text(source).as_str()) {
+            true => DrawTable::read(&folder.join(self.table_name())),
+            false => Ok(DrawTable::default()),
+        }
     }
 
     fn check_result(&self, name: &str) -> Result<()> {

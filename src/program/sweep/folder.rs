@@ -5,6 +5,7 @@ use std::fs::{self, File, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::again::some_of;
 use super::manifest::{Entry, FileDigest, Manifest, Source, log_path};
 use super::pictures::Pictures;
 use super::shard::Shard;
@@ -50,16 +51,7 @@ impl Folder {
             shard.is_none() || is_of(file, &own) || is_of(file, &timings::name(shard))
         };
         unfinished.iter().filter(is_ours).try_for_each(|file| remove(&path.join(file)))?;
-        let mut known = BTreeMap::new();
-        let mut earlier = BTreeMap::new();
-        for name in manifest_names(path)? {
-            let views = Manifest::read(&path.join(&name))?.views;
-            let named = views.into_iter().map(|entry| (entry.name.clone(), entry));
-            if name == own {
-                earlier.extend(named.clone());
-            }
-            known.extend(named);
-        }
+        let [known, earlier] = known(path, &own)?;
         let manifest = Manifest { source, ..Manifest::default() };
         let seconds = timings::read(path, shard);
         let path = path.to_owned();
@@ -73,6 +65,27 @@ impl Folder {
             log: None,
             unfinished,
             _lock: lock,
+        })
+    }
+
+    /// The folder as it is, which need not exist: nothing is made, removed or locked.
+    ///
+    /// Errors: as [`Self::open`].
+    pub fn look(path: &Path, shard: Option<Shard>) -> Result<Self> {
+        let none = || Ok([BTreeMap::new(), BTreeMap::new()]);
+        let [known, earlier] =
+            if path.exists() { known(path, &manifest_name(shard)) } else { none() }?;
+        let path = path.to_owned();
+        Ok(Self {
+            path,
+            shard,
+            known,
+            earlier,
+            manifest: Manifest::default(),
+            seconds: BTreeMap::new(),
+            log: None,
+            unfinished: Vec::new(),
+            _lock: None,
         })
     }
 
@@ -100,6 +113,17 @@ impl Folder {
         let entry = self.known.get(name)?;
         let is_good = entry.key == *key && entry.is_whole(&self.path);
         is_good.then(|| Entry { index, ..entry.clone() })
+    }
+
+    /// What an earlier run made of the view.
+    pub fn known(&self, name: &str) -> Option<&Entry> {
+        self.known.get(name)
+    }
+
+    /// Views of earlier runs that `is_current` does not know, of a whole sweep.
+    pub fn left_over(&self, is_current: impl Fn(&str) -> bool) -> Vec<&str> {
+        let names = self.known.keys().map(String::as_str);
+        names.filter(|name| self.shard.is_none() && !is_current(name)).collect()
     }
 
     /// What a killed process left of a view, which is this run's alone to write.
@@ -156,11 +180,12 @@ impl Folder {
     }
 
     /// All views are there: pictures, contact sheet, page, and the final manifest. A shard leaves
-    /// pictures and pages to [`super::merge`]. Returns what the display cannot show.
+    /// pictures and pages to [`super::merge`].
     ///
     /// Errors: [`Error::Io`]; an EXR or PNG file that does not read back.
-    pub fn finish(mut self, pictures: &Pictures) -> Result<GamutReport> {
+    pub fn finish(mut self, pictures: &Pictures) -> Result<Finished> {
         let mut gamut = GamutReport::default();
+        let mut moved = None;
         self.manifest.views.sort_by_key(|entry| entry.index);
         self.manifest.is_complete = true;
         timings::write(&self.path, self.shard, &self.timings_of_views())?;
@@ -172,9 +197,10 @@ impl Folder {
         self.manifest.write(&self.manifest_path())?;
         remove(&log_path(&self.manifest_path()))?;
         if self.shard.is_none() {
-            self.remove_left_over()?;
+            moved = self.set_left_over_aside()?;
+            self.remove_shards()?;
         }
-        Ok(gamut)
+        Ok(Finished { gamut, moved })
     }
 
     /// The same for other programs.
@@ -198,20 +224,35 @@ impl Folder {
         views.filter_map(seconds).collect()
     }
 
-    /// Removes files that earlier manifests name and this one does not, if their views made them,
-    /// and shards' manifests.
-    fn remove_left_over(&self) -> Result<()> {
+    /// Moves files that earlier manifests name and this one does not, if their views made them, into
+    /// a folder of their own.
+    fn set_left_over_aside(&self) -> Result<Option<String>> {
         let outputs = self.manifest.views.iter().flat_map(Entry::files);
         let current: BTreeSet<&str> = outputs.map(|file| file.path.as_str()).collect();
+        let mut left = Vec::new();
         for entry in self.known.values() {
             let is_left = |file: &&FileDigest| {
                 !current.contains(file.path.as_str())
                     && entry.is_named_for(&file.path)
                     && file.is_in(&self.path)
             };
-            let left = entry.files().filter(is_left);
-            left.map(|file| self.path.join(&file.path)).try_for_each(|path| remove(&path))?;
+            left.extend(entry.files().filter(is_left));
         }
+        if left.is_empty() {
+            return Ok(None);
+        }
+        let aside = self.path.join(aside_name(&left));
+        output::make_folder(&aside)?;
+        for file in &left {
+            let from = self.path.join(&file.path);
+            fs::rename(&from, aside.join(&file.path)).map_err(|e| Error::io(&from, e))?;
+        }
+        let names = self.left_over(|name| self.manifest.views.iter().any(|v| v.name == name));
+        let (views, aside) = (some_of(&names), aside.display());
+        Ok(Some(format!("views of an earlier sweep into this folder are now in {aside}: {views}")))
+    }
+
+    fn remove_shards(&self) -> Result<()> {
         for name in manifest_names(&self.path)?.iter().filter(|name| *name != MANIFEST) {
             let manifest = self.path.join(name);
             remove(&manifest)?;
@@ -219,6 +260,36 @@ impl Folder {
         }
         timings::remove_of_shards(&self.path)
     }
+}
+
+/// What a whole sweep's end tells.
+pub struct Finished {
+    /// What the display cannot show.
+    pub gamut: GamutReport,
+    /// Which views of earlier sweeps were moved, and where to.
+    pub moved: Option<String>,
+}
+
+/// A folder's name that tells files of other contents apart.
+fn aside_name(files: &[&FileDigest]) -> String {
+    let digests: Vec<&str> = files.iter().map(|file| file.digest.as_str()).collect();
+    let digest = super::Digest::of_bytes(digests.concat().as_bytes());
+    format!("earlier-{}", &digest.as_str()[..12])
+}
+
+/// Entries of all manifests in a folder by the views' names, and those of `own` alone.
+fn known(path: &Path, own: &str) -> Result<[BTreeMap<String, Entry>; 2]> {
+    let mut known = BTreeMap::new();
+    let mut earlier = BTreeMap::new();
+    for name in manifest_names(path)? {
+        let views = Manifest::read(&path.join(&name))?.views;
+        let named = views.into_iter().map(|entry| (entry.name.clone(), entry));
+        if name == own {
+            earlier.extend(named.clone());
+        }
+        known.extend(named);
+    }
+    Ok([known, earlier])
 }
 
 fn manifest_name(shard: Option<Shard>) -> String {

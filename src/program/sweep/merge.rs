@@ -16,6 +16,8 @@ use crate::output;
 /// What [`merge`] did, or that of a study.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Merged {
+    /// What stood in the folder and was moved, and where to.
+    pub moved: Option<String>,
     /// Parts that were joined.
     pub shards: usize,
     /// Views, or draws, of all of them.
@@ -46,7 +48,8 @@ pub fn merge(folders: &[PathBuf], into: &Path) -> Result<Merged> {
     let mut target = Folder::open(into, None, first.source.clone())?;
     let pictures = pictures::from_manifest(&first.pictures)?;
     target.set_pictures(first.pictures.clone());
-    let merged = Merged {
+    let mut merged = Merged {
+        moved: None,
         shards: shards.len(),
         views: shards.values().map(|(_, manifest)| manifest.views.len()).sum(),
     };
@@ -56,7 +59,7 @@ pub fn merge(folders: &[PathBuf], into: &Path) -> Result<Merged> {
             take(entry, folder, &mut target)?;
         }
     }
-    target.finish(&pictures)?;
+    merged.moved = target.finish(&pictures)?.moved;
     Ok(merged)
 }
 
@@ -64,7 +67,7 @@ pub fn merge(folders: &[PathBuf], into: &Path) -> Result<Merged> {
 fn merged_before(folders: &[PathBuf], into: &Path) -> Option<Merged> {
     let manifest = Manifest::read(&into.join(MANIFEST)).ok()?;
     let is_meant = manifest.is_complete && folders.iter().all(|folder| folder == into);
-    is_meant.then_some(Merged { shards: 0, views: manifest.views.len() })
+    is_meant.then_some(Merged { moved: None, shards: 0, views: manifest.views.len() })
 }
 
 /// What keeps shards apart.

@@ -9,6 +9,7 @@
 //! [`merge`] joins them. Seconds and other things that differ from run to run are kept apart, in
 //! `timings.js`.
 
+mod again;
 mod contact_sheet;
 mod digest;
 mod fingerprint;

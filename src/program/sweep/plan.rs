@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use serde_json::{Map, Value, json};
 
+use super::again::{cause, sentences};
 use super::digest::{Digest, Hasher};
 use super::folder::Folder;
 use super::manifest::{Entry, FileDigest, Source};
@@ -58,13 +59,19 @@ pub struct Plan<'a> {
     pub warn: &'a dyn Fn(String),
     /// Where views are shown while they come.
     pub screen: Option<&'a Screen>,
+    /// Render and write nothing, and only tell what would be.
+    pub is_dry_run: bool,
 }
 
 /// What a sweep did.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct SweepOutcome {
-    /// Views that were rendered.
+    /// Views that were rendered, or would be.
     pub rendered: usize,
+    /// Each of them with the reason; `None` for one that was not there.
+    pub causes: Vec<(String, Option<&'static str>)>,
+    /// Views of earlier runs that this one has not: of a dry run.
+    pub left_over: Vec<String>,
     /// Views that were there already.
     pub kept: usize,
     /// What the display cannot show of the pictures that were developed.
@@ -83,7 +90,10 @@ impl Plan<'_> {
         shots: impl Iterator<Item = std::result::Result<Shot, E>>,
         count: Option<usize>,
     ) -> std::result::Result<SweepOutcome, E> {
-        let mut folder = Folder::open(folder, self.shard, (self.source)()?)?;
+        let mut folder = match self.is_dry_run {
+            true => Folder::look(folder, self.shard)?,
+            false => Folder::open(folder, self.shard, (self.source)()?)?,
+        };
         folder.set_pictures(self.pictures.record());
         let mut done = SweepOutcome::default();
         let mut names = BTreeSet::new();
@@ -104,8 +114,21 @@ impl Plan<'_> {
                 self.take(&mut folder, index, &shot, count, &mut done)?;
             }
         }
+        let again: Vec<_> = done
+            .causes
+            .iter()
+            .filter_map(|(view, cause)| Some((view.clone(), (*cause)?)))
+            .collect();
+        if self.is_dry_run {
+            let left = folder.left_over(|name| names.contains(name));
+            done.left_over = left.into_iter().map(str::to_owned).collect();
+            return Ok(done);
+        }
         folder.set_source((self.source)()?);
-        done.gamut = folder.finish(&self.pictures)?;
+        let finished = folder.finish(&self.pictures)?;
+        let moved = finished.moved.map(|moved| format!("sweep: {moved}"));
+        sentences(&again).into_iter().chain(moved).for_each(self.warn);
+        done.gamut = finished.gamut;
         done.counts.warnings().into_iter().for_each(self.warn);
         Ok(done)
     }
@@ -125,7 +148,16 @@ impl Plan<'_> {
             if count.is_some() {
                 self.progress.pixels_kept(shot.view.pixels());
             }
-            folder.put(self.measured(folder.path(), entry)?);
+            if !self.is_dry_run {
+                folder.put(self.measured(folder.path(), entry)?);
+            }
+            return Ok(());
+        }
+        let known = folder.known(&shot.name);
+        let cause = known.map(|entry| cause(entry, folder.path(), &self.asked_of(shot)));
+        done.causes.push((shot.name.clone(), cause));
+        done.rendered += 1;
+        if self.is_dry_run {
             return Ok(());
         }
         if count.is_none() {
@@ -143,7 +175,6 @@ impl Plan<'_> {
         let outputs = vec![FileDigest::of(folder.path(), &exr)?];
         let entry = Entry { index, name: shot.name.clone(), key, outputs, details, ..Entry::new() };
         folder.add(entry, start.elapsed().as_secs_f64())?;
-        done.rendered += 1;
         done.counts = done.counts + stats.counts;
         Ok(())
     }
@@ -190,12 +221,20 @@ impl Plan<'_> {
         image: &SpectralImage,
         stats: &RenderStats,
     ) -> Map<String, Value> {
+        let mut details = self.asked_of(shot);
+        details.extend(rows([
+            ("stats", STATS.record(stats).to_json()),
+            ("photometry", json!(format!("{:?}", image.photometry).to_lowercase())),
+        ]));
+        details
+    }
+
+    /// What decides on a view's image.
+    fn asked_of(&self, shot: &Shot) -> Map<String, Value> {
         rows([
             ("view", VIEW.record(&shot.view).to_json()),
             ("quality", ASKED.record(&self.asked).to_json()),
-            ("stats", STATS.record(stats).to_json()),
             ("scene", json!(shot.stage.fingerprint().as_str())),
-            ("photometry", json!(format!("{:?}", image.photometry).to_lowercase())),
         ])
     }
 }
