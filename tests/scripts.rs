@@ -72,13 +72,14 @@ const FIGURES: [&str; 15] = [
 ];
 
 /// Scripts that print tables.
-const TABLES: [&str; 9] = [
+const TABLES: [&str; 10] = [
     "daylight",
     "table2",
     "table3",
     "table4",
     "table5",
     "stability",
+    "study",
     "bench",
     "truth",
     "time_to_error",

@@ -129,9 +129,8 @@ fn is_plantable(path: &str) -> bool {
     let of_itself = ["name", "path", "object", "key", "picture_key", "index", "measured", "sha256"];
     let last = path.rsplit('.').next().unwrap_or_default();
     let follows = ["pages", ".outputs[", ".pictures["].iter().any(|part| path.contains(part));
-    !follows
-        && !(of_itself.contains(&last) && !path.starts_with("inputs["))
-        && path != "inputs[lamp.csv].path"
+    let is_input = path == "inputs[lamp.csv].sha256";
+    is_input || !(follows || of_itself.contains(&last))
 }
 
 /// 200 changes at once: of a sweep's record, its images, a study's record and its draws.
