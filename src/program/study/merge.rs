@@ -41,6 +41,7 @@ fn source_of(record: &Value) -> Source {
     Source {
         program: record.get("program").and_then(Value::as_str).unwrap_or_default().to_owned(),
         executable: record.get("executable").and_then(Value::as_str).and_then(Digest::parse),
+        build: record.get("build").cloned().unwrap_or_default(),
         arguments: list("arguments").filter_map(Value::as_str).map(str::to_owned).collect(),
         script: read.next(),
         inputs: read.collect(),
