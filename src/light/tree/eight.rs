@@ -25,7 +25,11 @@ impl Eight {
 
     #[inline(always)]
     pub fn map(self, f: impl Fn(f32) -> f32) -> Eight {
-        lanes(|i| f(self.0[i]))
+        let mut out = self.0;
+        for lane in &mut out {
+            *lane = f(*lane);
+        }
+        Eight(out)
     }
 
     #[inline(always)]
@@ -103,11 +107,7 @@ impl Eight {
     /// `then` where `self` < `bound`, else `otherwise`.
     #[inline(always)]
     pub fn below(self, bound: Eight, then: Eight, otherwise: Eight) -> Eight {
-        Eight(std::array::from_fn(
-            |i| {
-                if self.0[i] < bound.0[i] { then.0[i] } else { otherwise.0[i] }
-            },
-        ))
+        lanes(|i| if self.0[i] < bound.0[i] { then.0[i] } else { otherwise.0[i] })
     }
 
     #[inline(always)]
@@ -116,14 +116,10 @@ impl Eight {
     }
 }
 
-/// Plain loops: `array::from_fn` is not always inlined into kernels with wider vectors.
+/// Written out: a loop here is unrolled anew in every kernel, which takes minutes to compile.
 #[inline(always)]
 fn lanes(f: impl Fn(usize) -> f32) -> Eight {
-    let mut out = [0.0; 8];
-    for (i, lane) in out.iter_mut().enumerate() {
-        *lane = f(i);
-    }
-    Eight(out)
+    Eight([f(0), f(1), f(2), f(3), f(4), f(5), f(6), f(7)])
 }
 
 /// Axis by axis.

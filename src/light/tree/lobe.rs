@@ -46,29 +46,56 @@ pub(super) struct LobeSums {
     pub swing: Eight,
 }
 
+impl LobeSums {
+    const ZERO: LobeSums = LobeSums {
+        value: Eight::ZERO,
+        error: Eight::ZERO,
+        at_mean: Eight::ZERO,
+        slope: Eight::ZERO,
+        swing: Eight::ZERO,
+    };
+}
+
+/// Of the diffuse lobe, and of specular ones about the query's axis.
 #[inline(always)]
 pub(super) fn sum_lobes(cloud: &Cloud, query: &NodeQuery) -> LobeSums {
-    let zero = Eight::ZERO;
-    let mut sums = LobeSums { value: zero, error: zero, at_mean: zero, slope: zero, swing: zero };
-    let horizon = cloud.cos_normal(query).abs();
-    let straddles = |then: Eight, otherwise: Eight| horizon.below(cloud.chord, then, otherwise);
-    if query.diffuse.weight > 0.0 {
-        add_lobe(&mut sums, cloud, (query.normal, query.diffuse, query.falloff()), straddles);
-    }
-    match query.half {
-        None => {
-            for lobe in query.specular {
-                add_lobe(&mut sums, cloud, (query.axis, *lobe, query.falloff()), straddles);
-            }
-        }
-        Some(view) => {
-            let half = HalfCloud::new(cloud, view, query.normal);
-            for lobe in query.specular {
-                half.add_lobe(&mut sums, cloud, (*lobe, query.falloff()), straddles);
-            }
+    let mut sums = LobeSums::ZERO;
+    let straddles = straddling(cloud, query);
+    // One body for all, since it is long.
+    for i in 0..=query.specular.len() {
+        let (axis, lobe) = match i {
+            0 => (query.normal, query.diffuse),
+            _ => (query.axis, query.specular[i - 1]),
+        };
+        if lobe.weight > 0.0 {
+            add_lobe(&mut sums, cloud, (axis, lobe, query.falloff()), straddles);
         }
     }
     sums
+}
+
+/// Of the diffuse lobe, and of half-vector ones.
+#[inline(always)]
+pub(super) fn sum_half_lobes(cloud: &Cloud, query: &NodeQuery) -> LobeSums {
+    let mut sums = LobeSums::ZERO;
+    let straddles = straddling(cloud, query);
+    if query.diffuse.weight > 0.0 {
+        add_lobe(&mut sums, cloud, (query.normal, query.diffuse, query.falloff()), straddles);
+    }
+    let Some(view) = query.half else { return sums };
+    let half = HalfCloud::new(cloud, view, query.normal);
+    for lobe in query.specular {
+        half.add_lobe(&mut sums, cloud, (*lobe, query.falloff()), straddles);
+    }
+    sums
+}
+
+/// Chooses for nodes that the hit's horizon cuts, and for the others.
+#[inline(always)]
+fn straddling(cloud: &Cloud, query: &NodeQuery) -> impl Fn(Eight, Eight) -> Eight + Copy {
+    let horizon = cloud.cos_normal(query).abs();
+    let chord = cloud.chord;
+    move |then, otherwise| horizon.below(chord, then, otherwise)
 }
 
 #[inline(always)]

@@ -18,7 +18,7 @@
 
 use super::eight::{Eight, Vectors, dot, dot_one, scaled, transposed, turned, vectors};
 use super::levels::Octet;
-use super::lobe::{INWARD, LobeSums, sum_lobes};
+use super::lobe::{INWARD, LobeSums, sum_half_lobes, sum_lobes};
 use super::moments::{
     CHANNELS, Channels, EMISSION, GRADIENT, MEAN, PAIRS, PARALLAX, PARALLAX2, SKEWNESS, SPREAD,
 };
@@ -66,7 +66,24 @@ pub(super) fn eval_octet(
     table: (OctahedronGrid, &[Channels]),
     query: &NodeQuery,
 ) -> NodeSums {
-    widest!(kernel(octet: &Octet, table: (OctahedronGrid, &[Channels]), query: &NodeQuery) -> NodeSums)
+    if query.half.is_some() {
+        return widest!(of_half_lobes(octet: &Octet, table: (OctahedronGrid, &[Channels]), query: &NodeQuery) -> NodeSums);
+    }
+    widest!(of_lobes(octet: &Octet, table: (OctahedronGrid, &[Channels]), query: &NodeQuery) -> NodeSums)
+}
+
+#[inline(always)]
+fn of_lobes(octet: &Octet, table: (OctahedronGrid, &[Channels]), query: &NodeQuery) -> NodeSums {
+    kernel(octet, table, query, sum_lobes)
+}
+
+#[inline(always)]
+fn of_half_lobes(
+    octet: &Octet,
+    table: (OctahedronGrid, &[Channels]),
+    query: &NodeQuery,
+) -> NodeSums {
+    kernel(octet, table, query, sum_half_lobes)
 }
 
 #[inline(always)]
@@ -74,6 +91,7 @@ fn kernel(
     octet: &Octet,
     (grid, table): (OctahedronGrid, &[Channels]),
     query: &NodeQuery,
+    sum_lobes: impl Fn(&Cloud, &NodeQuery) -> LobeSums,
 ) -> NodeSums {
     let to_center: Vectors = vectors(|axis| octet.center[axis] + -query.point[axis]);
     let inverse_distance = dot(&to_center, &to_center).inverse_sqrt();
