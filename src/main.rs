@@ -186,13 +186,15 @@ fn main() -> ExitCode {
     std::panic::set_hook(Box::new(report_bug));
     match CommandLine::parse().command {
         Command::Run { script, options, shard, dry_run, arguments } => options.start(|settings| {
-            let settings = Settings { shard, is_dry_run: dry_run, arguments, ..settings };
+            let read = with_data_of_project(settings.read, &script);
+            let settings = Settings { shard, is_dry_run: dry_run, arguments, read, ..settings };
             end_when_stuck(settings.clone());
             confine_reading(&script, &settings)?;
             script::run(&script, settings)
         }),
         Command::Watch { script, options, port, arguments } => options.start(|settings| {
-            let settings = Settings { arguments, ..settings };
+            let read = with_data_of_project(settings.read, &script);
+            let settings = Settings { arguments, read, ..settings };
             end_when_stuck(settings.clone());
             confine_reading(&script, &settings)?;
             let say = |line: &str| {
@@ -327,6 +329,16 @@ fn pack(folder: &Path, script: Option<&Path>, into: Option<PathBuf>) -> ExitCode
         Ok(files) => say(&format!("{}: {files} files", into.display())),
         Err(error) => exit_code(Err(error)),
     }
+}
+
+/// The folders of `--read`, and `data` beside a script's folder `scripts`: a project's scripts run from
+/// anywhere.
+fn with_data_of_project(mut folders: Vec<PathBuf>, script: &Path) -> Vec<PathBuf> {
+    let beside_script = script.parent().filter(|folder| *folder != Path::new(""));
+    let scripts = beside_script.unwrap_or(Path::new(".")).canonicalize().ok();
+    let scripts = scripts.filter(|folder| folder.file_name().is_some_and(|name| name == "scripts"));
+    folders.extend(scripts.map(|folder| folder.with_file_name("data")));
+    folders
 }
 
 /// What to say of a replay, and whether it is the same.

@@ -109,6 +109,22 @@ fn reading_stays_in_the_known_folders() {
     }
 }
 
+#[test]
+fn a_projects_scripts_read_its_data_from_anywhere() {
+    let bench = reading_bench("../data/table.csv");
+    bench.write("data/table.csv", "400,1\n700,1\n");
+    let (success, message) = run_in_work(&bench, &[]);
+    assert!(success, "{message}");
+    let mut command = bench.command(&["run", "script.lua"]);
+    let output = command.current_dir(bench.path("scripts")).output().expect("a start");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    // Other folders beside other scripts stay closed.
+    bench.write("downloads/script.lua", "require('lampyris').spectrum.load '../data/table.csv'");
+    let mut command = bench.command(&["run", "../downloads/script.lua"]);
+    let output = command.current_dir(bench.path("work")).output().expect("a start");
+    assert!(text(&output.stderr).contains("allowed: files in the script's folder"));
+}
+
 #[cfg(unix)]
 #[test]
 fn symbolic_links_lead_nowhere() {
