@@ -10,7 +10,7 @@ use lampyris::image::SpectralImage;
 use lampyris::material::{
     Fresnel, LobeShape, Lobes, Material, OpticalConstants, metal_reflectance,
 };
-use lampyris::render::{Quality, Samples};
+use lampyris::render::{Quality, Samples, Unwatched, render};
 use lampyris::scene::{Background, Scene, Shadows};
 use lampyris::shading::{Layers, TraceLimits};
 use lampyris::spectrum::{Spectrum, WavelengthGrid};
@@ -20,6 +20,8 @@ use crate::stage::*;
 
 const RADIUS_MM: f64 = 10.0;
 const PIXELS: usize = 32;
+/// 32′ across.
+const SUN_RADIUS_DEG: f64 = 16.0 / 60.0;
 
 /// Front outward, its seam behind.
 fn ball() -> Mesh {
@@ -76,10 +78,18 @@ fn quality(max_depth: u32) -> Quality {
     }
 }
 
+/// Of a pixel, counted row by row.
+fn luminance_at(image: &SpectralImage, at: usize) -> f64 {
+    let bands = image.grid.bands();
+    let pixel = &image.bands[at * bands..(at + 1) * bands];
+    let pixel: Vec<f64> = pixel.iter().map(|v| f64::from(*v)).collect();
+    Xyz::from_bands(image.grid, &pixel).y
+}
+
 /// Mean luminance over pixels well within the ball: of the picture, and as `expected` says for a
 /// place on the ball (unit) and the direction toward the eye.
 fn means(image: &SpectralImage, expected: impl Fn(DVec3, DVec3) -> f64) -> [f64; 2] {
-    let (camera, bands) = (view().camera(), image.grid.bands());
+    let camera = view().camera();
     let (mut sums, mut count) = ([0.0; 2], 0.0);
     for at in 0..PIXELS * PIXELS {
         let ray = camera.ray((at % PIXELS) as f64 + 0.5, (at / PIXELS) as f64 + 0.5);
@@ -87,9 +97,7 @@ fn means(image: &SpectralImage, expected: impl Fn(DVec3, DVec3) -> f64) -> [f64;
         let across2 = nearest.length_squared() / RADIUS_MM.powi(2);
         if across2 < 0.95f64.powi(2) {
             let place = nearest / RADIUS_MM - ray.direction * (1.0 - across2).sqrt();
-            let pixel = &image.bands[at * bands..(at + 1) * bands];
-            let pixel: Vec<f64> = pixel.iter().map(|v| f64::from(*v)).collect();
-            sums[0] += Xyz::from_bands(image.grid, &pixel).y;
+            sums[0] += luminance_at(image, at);
             sums[1] += expected(place, -ray.direction);
             count += 1.0;
         }
@@ -155,14 +163,42 @@ fn a_white_ball_is_lit_by_its_surroundings() {
     }
 }
 
+/// Luminance 1 from everywhere.
+fn furnace(width: usize, height: usize) -> Environment {
+    let picture = Picture::new(width, height, vec![[1.0, 0.0, 0.0]; width * height]).unwrap();
+    Environment::new(Dome::Picture(picture), vec![Spectrum::constant(1.0)]).unwrap()
+}
+
+/// At the default quality and in a picture, with shadow rays and without: a white Lambertian
+/// surface within 1e-4, a lobe of exponent n, which returns (n + 2)/(n + 1), within 1e-3.
+#[test]
+fn a_white_furnace_is_seen_as_one() {
+    let lobes = [
+        (diffuse(1.0, 1.0), 1.0, 1e-4),
+        (specular(1.0, 20.0), 22.0 / 21.0, 1e-3),
+        (specular(1.0, 1500.0), 1502.0 / 1501.0, 1e-3),
+    ];
+    for (width, height) in [(1, 1), (7, 5), (64, 32), (1000, 500)] {
+        let environment = furnace(width, height);
+        for shadows in [Shadows::Off, Shadows::On] {
+            for (lobes, expected, allowed) in &lobes {
+                let white = Material { lobes: lobes.clone(), ..material() };
+                let scene = under(environment.clone(), (square(0.0, 50.0), white), shadows);
+                let image = shoot(scene, &pixel_view(10.0, 100.0), &Quality::default());
+                let what = format!("{width} × {height}, {shadows:?}, {lobes:?}");
+                assert_close(luminance_at(&image, 0), *expected, *allowed, &what);
+            }
+        }
+    }
+}
+
 /// Rays and lobes see the same light: together they return no more than arrives.
 #[test]
 fn the_papers_reflector_is_no_source() {
-    let furnace = Picture::new(8, 4, vec![[1.0, 0.0, 0.0]; 32]).unwrap();
-    let furnace = Environment::new(Dome::Picture(furnace), vec![Spectrum::constant(1.0)]).unwrap();
     let mut reflector = Material { k_rg: 0.95, lobes: specular(0.92, 1500.0), ..material() };
     (reflector.lobes.k_d, reflector.lobes.n_d) = (0.08, 10.0);
-    let image = shoot(under(furnace, (ball(), reflector), Shadows::Off), &view(), &quality(4));
+    let image =
+        shoot(under(furnace(8, 4), (ball(), reflector), Shadows::Off), &view(), &quality(4));
     let [found, _] = means(&image, |_, _| 0.0);
     assert!((0.95..1.0).contains(&found), "{found}");
 }
@@ -170,8 +206,6 @@ fn the_papers_reflector_is_no_source() {
 /// A rough metal's lobes follow Fresnel's law at V's angle, as its mirrored ray would.
 #[test]
 fn a_rough_metal_returns_its_reflectance_at_every_angle() {
-    let furnace = Picture::new(8, 4, vec![[1.0, 0.0, 0.0]; 32]).unwrap();
-    let furnace = Environment::new(Dome::Picture(furnace), vec![Spectrum::constant(1.0)]).unwrap();
     let OpticalConstants { n, k } = OpticalConstants::aluminium();
     let lobes = Lobes { shape: LobeShape::Half, ..specular(1.0, 1500.0) };
     let white = Material { lobes, ..material() };
@@ -181,7 +215,7 @@ fn a_rough_metal_returns_its_reflectance_at_every_angle() {
         let [metal, white] = [&metal, &white].map(|material| {
             let object = (square(0.0, 10.0), material.clone());
             shoot(
-                under(furnace.clone(), object, Shadows::Off),
+                under(furnace(8, 4), object, Shadows::Off),
                 &pixel_view(angle_deg, 100.0),
                 &exact(0),
             )
@@ -195,60 +229,90 @@ fn a_rough_metal_returns_its_reflectance_at_every_angle() {
     }
 }
 
-/// A post's shadow under a low sun: how wide its edge is, across 10 % to 90 % of the light.
-#[test]
-fn the_suns_shadow_has_its_soft_edge() {
+/// Nothing but a sun of 10⁵ lx at azimuth 0; its sky is too dark to count.
+fn sun_alone(elevation_deg: f64) -> Environment {
+    let illuminance_lx = Some(1e5);
+    let sun = SunPlace { azimuth_deg: 0.0, elevation_deg, illuminance_lx, cct_k: None };
     let day = Daylight {
         kind: SkyKind::standard(5).unwrap(),
-        sun: Some(SunPlace {
-            azimuth_deg: 0.0,
-            elevation_deg: 90.0,
-            illuminance_lx: Some(1e5),
-            cct_k: None,
-        }),
+        sun: Some(sun),
         turbidity: 2.0,
         cct_k: None,
         ground: Spectrum::constant(0.0),
-        illuminance_lx: Some(100_001.0),
+        illuminance_lx: Some(1e5 * elevation_deg.to_radians().sin() + 1.0),
     };
+    day.environment().unwrap()
+}
+
+/// Share of the sun's light on a floor that passes an upright edge's top: the disc's points higher
+/// than `lowest_deg`, by the midpoint rule over the disc.
+fn seen_of_sun(elevation_deg: f64, lowest_deg: f64) -> f64 {
+    const STEPS: usize = 4000;
+    let (mut seen, mut all) = (0.0, 0.0);
+    for step in 0..STEPS {
+        let t = 2.0 * (step as f64 + 0.5) / STEPS as f64 - 1.0;
+        let at_deg = elevation_deg + t * SUN_RADIUS_DEG;
+        let light = (1.0 - t * t).sqrt() * at_deg.to_radians().sin();
+        all += light;
+        seen += if at_deg > lowest_deg { light } else { 0.0 };
+    }
+    seen / all
+}
+
+/// From where a falling row of values passes `high` to where it passes `low`, in steps of the row.
+fn fall(row: &[f64], [high, low]: [f64; 2]) -> f64 {
+    let passes = |level: f64| {
+        let at = row.windows(2).position(|pair| pair[0] >= level && pair[1] < level).unwrap();
+        at as f64 + (row[at] - level) / (row[at] - row[at + 1])
+    };
+    passes(low) - passes(high)
+}
+
+/// A roof's shadow on the floor, in 81 pixels across its edge from light to dark: each within 1 % of
+/// the full light, and the width from 90 % to 10 % within 1 %. Steps of 0.1 % of the disc and
+/// lines between pixels leave less than half of that.
+#[test]
+fn the_suns_shadow_has_its_soft_edge() {
     let white = Material { lobes: diffuse(1.0, 1.0), ..material() };
-    // A roof 1000 mm over the floor, whose edge is at x = 0.
     let height = 1000.0;
-    let floor = rectangle(DVec3::ZERO, DVec3::Z * 30.0, DVec3::X * 30.0);
-    let roof = rectangle(DVec3::new(-500.0, height, 0.0), DVec3::Z * 500.0, DVec3::X * 500.0);
-    let environment = day.environment().unwrap();
-    let all = scene(vec![(floor, white), (roof, material())], Vec::new());
-    let all = Scene {
-        background: Background::Environment(Arc::new(environment)),
-        photometry: Photometry::Absolute,
-        shadows: Shadows::On,
-        ..all
-    };
-    // From above, under the roof's height: a row of pixels of 0.2 mm across the edge.
-    let view = View {
-        elevation_deg: 89.999,
-        fov_deg: 2.0 * (0.1f64 / 500.0).atan().to_degrees(),
-        width: 81,
-        height: 1,
-        ..pixel_view(0.0, 500.0)
-    };
-    let image = shoot(all, &view, &Quality { samples: Samples::Fixed(1), ..quality(1) });
-    let bands = image.grid.bands();
-    let lit: Vec<f64> = (0..81)
-        .map(|x| {
-            let pixel: Vec<f64> =
-                image.bands[x * bands..(x + 1) * bands].iter().map(|v| f64::from(*v)).collect();
-            Xyz::from_bands(image.grid, &pixel).y * PI / 1e5
-        })
-        .collect();
-    for (x, found) in lit.iter().enumerate() {
-        let t: f64 = (40.0 - x as f64) * 0.2 / (height * 4.6542e-3f64.tan());
-        let expected = match t {
-            t if t >= 1.0 => 0.0,
-            t if t <= -1.0 => 1.0,
-            t => (t.acos() - t * (1.0 - t * t).sqrt()) / PI,
+    for elevation_deg in [90.0f64, 30.0, 10.0] {
+        // The floor's eye looks at where the disc's middle is cut.
+        let (sin, cos) = elevation_deg.to_radians().sin_cos();
+        let edge_z = height * cos / sin;
+        let pixel_mm = 0.14 * height * SUN_RADIUS_DEG.to_radians() / (sin * sin) / 5.0;
+        let floor = rectangle(DVec3::ZERO, DVec3::Z * 900.0, DVec3::X * 900.0);
+        let half = 20.0 * height;
+        let roof =
+            rectangle(DVec3::new(0.0, height, edge_z + half), DVec3::Z * half, DVec3::X * half);
+        let all = Scene {
+            background: Background::Environment(Arc::new(sun_alone(elevation_deg))),
+            photometry: Photometry::Absolute,
+            shadows: Shadows::On,
+            ..scene(vec![(floor, white.clone()), (roof, material())], Vec::new())
         };
-        assert!((found - expected).abs() < 0.01, "{x}: {found}, expected {expected}");
+        let view = View {
+            elevation_deg: 89.999,
+            fov_deg: 2.0 * (0.5 * pixel_mm / 500.0).atan().to_degrees(),
+            width: 81,
+            height: 1,
+            ..pixel_view(90.0, 500.0)
+        };
+        let image = shoot(all, &view, &Quality { samples: Samples::Fixed(1), ..quality(1) });
+        let level_lx = 1e5 * sin;
+        let found: Vec<f64> =
+            (0..81).map(|x| luminance_at(&image, x) * PI / level_lx).rev().collect();
+        let expected: Vec<f64> = (0..81)
+            .map(|x| {
+                let z = (f64::from(x) - 40.0) * pixel_mm;
+                seen_of_sun(elevation_deg, height.atan2(edge_z - z).to_degrees())
+            })
+            .collect();
+        for (x, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            let error = (found - expected).abs();
+            assert!(error < 0.01, "{elevation_deg}°, {x}: {found}, expected {expected}");
+        }
+        let [found, expected] = [&found, &expected].map(|row| fall(row, [0.9, 0.1]));
+        assert_close(found, expected, 0.01, &format!("width of the edge at {elevation_deg}°"));
     }
 }
 
@@ -315,6 +379,24 @@ fn lit_and_unlit_are_layers_of_one_picture() {
     assert!(day.bands.iter().zip(&unlit.bands).all(|(a, b)| is_near(a, b)), "day");
 }
 
+/// A white floor without a lamp asks nothing and sends no shadow ray, unless there are surroundings.
+#[test]
+fn a_scene_without_surroundings_pays_nothing() {
+    let asked = |background: Background| {
+        let white = Material { lobes: diffuse(1.0, 1.0), ..material() };
+        let bare = scene(vec![(square(0.0, 50.0), white)], Vec::new());
+        let bare =
+            Scene { background, photometry: Photometry::Absolute, shadows: Shadows::On, ..bare };
+        let prepared = bare.prepare().unwrap();
+        let (_, stats) =
+            render(&prepared, &pixel_view(10.0, 100.0), &Quality::default(), &Unwatched).unwrap();
+        [stats.counts.light_nodes, stats.counts.shadow_rays]
+    };
+    assert_eq!(asked(Background::Even(Spectrum::constant(1.0))), [0, 0]);
+    let by_day = asked(Background::Environment(Arc::new(a_day())));
+    assert!(by_day.iter().all(|count| *count > 0), "{by_day:?}");
+}
+
 /// A picture that this program wrote is the surroundings that it was taken of.
 #[test]
 fn an_exr_of_a_script_becomes_surroundings() {
@@ -328,7 +410,9 @@ fn an_exr_of_a_script_becomes_surroundings() {
         local empty = lampyris.scene {
           objects = {}, photometry = "absolute", background = white * (500 / Y),
         }
-        empty:render(lampyris.view { width = 16, height = 8 }, { samples = 1 }):save("sky.exr")
+        local taken = empty:render(lampyris.view { width = 16, height = 8 }, { samples = 1 })
+        taken:save("sky.exr")
+        taken:save("sky.hdr")
         local function check(found, expected, what)
           assert(math.abs(found / expected - 1) < 2e-3, ("%s: %g, not %g"):format(what, found, expected))
         end
@@ -340,6 +424,9 @@ fn an_exr_of_a_script_becomes_surroundings() {
         local seen = lampyris.scene { objects = {}, photometry = "absolute", background = bright }
         local image = seen:render(lampyris.view { width = 2, height = 2 }, { samples = 1 })
         check(image:luminance(), 20000 / math.pi, "seen")
+        -- An RGBE pixel has 8 bits a channel: 1 part in 256 at worst; its file has no cd/m².
+        local radiance = lampyris.environment.load("sky.hdr", { illuminance = 20000, scale = 0.5 })
+        check(radiance:illuminance(), 10000, "of a Radiance picture")
     "#;
     std::fs::write(&script, text).unwrap();
     run_script(&script, &folder, &[]);
