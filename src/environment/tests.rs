@@ -140,15 +140,58 @@ fn skies_light_planes_of_any_tilt() {
     }
 }
 
-/// Moon & Spencer: ∫ (1 + 2 sin γ)/3 cos dω is 7π/9 of the zenith on a level plane, and
-/// 1/3 · π/2 + 2/3 · 2/3 on an upright one.
+/// Over the lune that a level plane and one tilted by β both see, ∫ cos dω = π (1 + cos β)/2 and
+/// ∫ sin γ cos dω = 2/3 (sin β + (π − β) cos β): type 5 is the first, Moon & Spencer's overcast sky
+/// a third of the first and two thirds of the second.
 #[test]
-fn overcast_sky_has_its_closed_form() {
-    let sky = Sky::new(SkyKind::Overcast, DVec3::Y).unwrap();
-    let environment = Environment::new(Dome::Sky(sky), white()).unwrap();
-    let level = environment.illuminance_lx(DVec3::Y) / (7.0 * PI / 9.0);
-    let upright = environment.illuminance_lx(DVec3::X) / (PI / 6.0 + 4.0 / 9.0);
-    assert!((level - 1.0).abs() < 1e-3 && (upright - 1.0).abs() < 1e-3, "{level} {upright}");
+fn even_and_overcast_skies_have_their_closed_forms() {
+    for (azimuth, elevation) in TILTS {
+        let tilt = (90.0 - elevation).to_radians();
+        let (sin, cos) = tilt.sin_cos();
+        let even = PI * (1.0 + cos) / 2.0;
+        let overcast = even / 3.0 + 4.0 / 9.0 * (sin + (PI - tilt) * cos);
+        let type_5 = SkyKind::standard(5).unwrap();
+        for (kind, expected) in [(type_5, even), (SkyKind::Overcast, overcast)] {
+            let sky = Sky::new(kind, DVec3::Y).unwrap();
+            let environment = Environment::new(Dome::Sky(sky), white()).unwrap();
+            let found = environment.illuminance_lx(toward(azimuth, elevation));
+            let error = found / expected - 1.0;
+            assert!(error.abs() < 1e-3, "{kind:?} at {elevation}°: {error:e}");
+        }
+    }
+}
+
+/// π L of the polygon that a rectangle in the ceiling covers: Lambert's sum over its edges.
+fn ceiling_lx(low: [f64; 2], high: [f64; 2], above_mm: f64) -> f64 {
+    let corners = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]]
+        .map(|[x, z]| DVec3::new(x, above_mm, z).normalize());
+    let edge = |k: usize| {
+        let (from, to) = (corners[k], corners[(k + 1) % 4]);
+        let across = from.cross(to);
+        across.length().atan2(from.dot(to)) * across.normalize().y
+    };
+    (0..4).map(edge).sum::<f64>().abs() / 2.0
+}
+
+/// Within 0.1 %, as skies: a panel's rim cuts the dome's cells.
+#[test]
+fn rooms_light_a_level_plane() {
+    let panel = CeilingPanel { center: [1000.0, 500.0], size: [1500.0, 900.0], luminance: 5000.0 };
+    let room = Room {
+        size: [6000.0, 8000.0],
+        above_mm: 2000.0,
+        below_mm: 1000.0,
+        panels: vec![panel],
+        ceiling: 120.0,
+        walls: 80.0,
+        floor: 30.0,
+    };
+    let spectra = [white(), white()].concat();
+    let found = Environment::new(Dome::Room(room), spectra).unwrap().illuminance_lx(DVec3::Y);
+    let expected = 80.0 * PI
+        + (120.0 - 80.0) * ceiling_lx([-3000.0, -4000.0], [3000.0, 4000.0], 2000.0)
+        + (5000.0 - 120.0) * ceiling_lx([250.0, 50.0], [1750.0, 950.0], 2000.0);
+    assert!((found / expected - 1.0).abs() < 1e-3, "{found} for {expected}");
 }
 
 /// A picture with a pixel a thousand times as bright as what is around it.
