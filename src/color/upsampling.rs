@@ -176,10 +176,9 @@ pub fn round_trip(gamut: ColorGamut, steps: usize) -> [f64; 2] {
         let rgb =
             DVec3::new(level(at % steps), level(at / steps % steps), level(at / (steps * steps)));
         let color = Xyz::from(xyz_from_rgb * rgb);
-        // As a picture would take them: the smoother spectra where they do.
-        let smoother = Upsampling::of(ColorGamut::Rec709);
-        let chosen = if smoother.holds(color) { smoother } else { Upsampling::of(gamut) };
-        let back = chosen.spectrum(chosen.mix(color)).xyz();
+        // A picture takes one set of spectra for all of its colors.
+        let upsampling = Upsampling::of(gamut);
+        let back = upsampling.spectrum(upsampling.mix(color)).xyz();
         let lab = |xyz: Xyz| super::Lab::from_xyz(xyz, white);
         let difference = super::delta_e_2000(lab(color), lab(back));
         sum += difference;
