@@ -1,10 +1,11 @@
--- Models 1 and 3 by day: unlit, lit, and lit against a low sun, on a shelf outdoors.
+-- Models 1 and 3 by day: unlit, lit, and lit against a low sun, on a shelf at a wall outdoors.
 --
 --   lampyris run scripts/daylight.lua [-- WIDTH [COARSENESS [SAMPLES]]]
 --
 -- The lamps' light and the day's are rendered apart and weighed afterwards: the lit picture is
 -- their sum. Prints the luminance contrast of lit to unlit by region, and the phantom light: what
--- the lamp sends toward the viewer while it is off. The argument "tiny" is for tests.
+-- the lamp sends toward the viewer while it is off, and how sure that is. The argument "tiny" is
+-- for tests.
 
 local lampyris = require "lampyris"
 local model = require "model"
@@ -71,6 +72,15 @@ local function chamber_region(chamber)
   return region, region.width * region.height / scale ^ 2
 end
 
+--- A part of the wall that the sun reaches: above the lamp, to the right.
+local function wall_region()
+  local height = width * 3 // 4
+  return {
+    x = width * 3 // 4, y = height // 40,
+    width = math.max(1, width // 5), height = math.max(1, height // 20),
+  }
+end
+
 local function scene(objects, lights, background)
   return lampyris.scene {
     objects = objects, lights = lights, background = background,
@@ -78,30 +88,73 @@ local function scene(objects, lights, background)
   }
 end
 
---- The lamp with its shell and bezel, and a shelf under it.
+--- The front, top, bottom and sides of a box, or of one that is a single face.
+local function box(low, high)
+  local function corner(x, y, z)
+    return { (x == 0 and low or high)[1], (y == 0 and low or high)[2], (z == 0 and low or high)[3] }
+  end
+  local positions, triangles = {}, {}
+  local function face(a, b, c, d)
+    local first = #positions
+    for _, place in ipairs { a, b, c, d } do
+      positions[#positions + 1] = corner(table.unpack(place))
+    end
+    triangles[#triangles + 1] = { first + 1, first + 2, first + 3 }
+    triangles[#triangles + 1] = { first + 1, first + 3, first + 4 }
+  end
+  face({ 0, 0, 1 }, { 1, 0, 1 }, { 1, 1, 1 }, { 0, 1, 1 })
+  face({ 0, 1, 1 }, { 1, 1, 1 }, { 1, 1, 0 }, { 0, 1, 0 })
+  face({ 0, 0, 0 }, { 1, 0, 0 }, { 1, 0, 1 }, { 0, 0, 1 })
+  face({ 1, 0, 1 }, { 1, 0, 0 }, { 1, 1, 0 }, { 1, 1, 1 })
+  face({ 0, 0, 0 }, { 0, 0, 1 }, { 0, 1, 1 }, { 0, 1, 0 })
+  return lampyris.mesh.new { positions = positions, triangles = triangles, smooth = false }
+end
+
+local wall_reflectance = 0.5
+
+--- The lamp with its shell and bezel, on a foot on a shelf before a wall.
 local function stage(options)
   local built = model.build(options, coarseness, { bezel = 6, shell = 16 })
   local lowest = built.shell.bounds[1][2]
-  local shelf = lampyris.mesh.new {
-    positions = {
-      { -450, lowest, -250 }, { 450, lowest, -250 }, { 450, lowest, 330 }, { -450, lowest, 330 },
-    },
-    triangles = { { 1, 3, 2 }, { 1, 4, 3 } },
-    smooth = false,
-  }
-  local wood = lampyris.material {
-    reflectance = lampyris.spectrum.new { { 380, 0.12 }, { 480, 0.2 }, { 580, 0.36 }, { 780, 0.5 } },
-    k_d = 1, n_d = 1,
-  }
+  local function matt(reflectance)
+    return lampyris.material { reflectance = reflectance, k_d = 1, n_d = 1 }
+  end
+  local wood = matt(lampyris.spectrum.new {
+    { 380, 0.08 }, { 480, 0.15 }, { 580, 0.3 }, { 780, 0.45 },
+  })
   local objects = lamp.objects(built, options.lens, lamp.daylight_materials())
-  objects[#objects + 1] = { mesh = shelf, material = wood }
+  -- Without a wall all that is seen behind the lamp is the even ground, far below: the view looks down.
+  table.move({
+    { mesh = box({ -450, lowest - 24, -200 }, { 450, lowest, 270 }), material = wood },
+    { mesh = box({ -900, -700, -210 }, { 900, 700, -200 }), material = matt(wall_reflectance) },
+    -- The shell's lower side rises to the right; the foot ends within it.
+    { mesh = box({ -110, lowest, -20 }, { 120, lowest + 18, 60 }), material = matt(0.04) },
+  }, 1, 3, #objects + 1, objects)
   return built, objects
 end
 
---- The picture as an eye sees it that is adapted to this luminance.
+--- The picture as an eye sees it that is adapted to this luminance. One curve for all pictures, so
+-- that what is unlit is as bright in each; "photographic" would bend by the brightest pixel.
 local function save(image, name, adaptation)
   image:save(name .. ".exr")
-  image:save(name .. ".png", { look = "seen", exposure = { adaptation = adaptation } })
+  image:save(name .. ".png", {
+    look = "seen", exposure = { adaptation = adaptation },
+    tone = function(luminance) return 1 - math.exp(-luminance) end,
+  })
+end
+
+--- How sure the mean luminance of a region is: its pixels' standard error. Each facet mirrors the sun
+-- into a spot smaller than a pixel, which the rays of a pixel meet or miss, so that a few bright
+-- pixels make much of the mean.
+local function uncertainty(image, region)
+  local sum, squares, count = 0, 0, region.width * region.height
+  for y = region.y, region.y + region.height - 1 do
+    for x = region.x, region.x + region.width - 1 do
+      local seen = image:luminance { x = x, y = y, width = 1, height = 1 }
+      sum, squares = sum + seen, squares + seen * seen
+    end
+  end
+  return math.sqrt(math.max(0, squares - sum * sum / count)) / count
 end
 
 for _, gamut in ipairs { "srgb", "p3" } do
@@ -123,15 +176,18 @@ for _, options in ipairs { require "model1", require "model3" } do
     local unlit = scene(objects, {}, day.background):render(view, quality)
     local lit = unlit + lit_lamp
     local name = ("%s_%s"):format(built.name, day.name)
-    local adaptation = unlit:luminance()
+    -- A gray card's luminance where the wall is; the sun's glints in a lamp would dazzle a mean.
+    local adaptation = unlit:luminance(wall_region()) * 0.18 / wall_reflectance
     save(unlit, name .. "_unlit", adaptation)
     save(lit, name .. "_lit", adaptation)
     print(("  %s: %s"):format(day.name, day.background))
     for k, chamber in ipairs(built.chambers) do
       local region, area_mm2 = chamber_region(chamber)
       local off, on = unlit:luminance(region), lit:luminance(region)
+      local m2 = area_mm2 * 1e-6
       print(("    chamber %d: unlit %.0f, lit %.0f cd/m², contrast lit : unlit %.2f, "
-        .. "phantom light %.3f cd"):format(k, off, on, on / off, off * area_mm2 * 1e-6))
+        .. "phantom light %.2f ± %.2f cd"):format(
+        k, off, on, on / off, off * m2, uncertainty(unlit, region) * m2))
     end
   end
 end
