@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::bench::Bench;
+use crate::bench::{Bench, text};
 
 /// The files that examples read.
 const FILES: &[[&str; 2]] = &[
@@ -89,8 +89,10 @@ fn the_starter_script_runs_as_it_is() {
     );
     let message = bench.fail(&["new", "first"]);
     assert_eq!(message, "new: name is \"first.lua\", allowed: names that are not taken\n");
-    let output = bench.succeed(&["run", "first.lua", "--quiet", "--", "16"]);
-    assert_eq!(output, "4 views rendered, 0 kept, in out/first\n");
+    // A newcomer's first picture is shown without a warning.
+    let output = bench.run(&["run", "first.lua", "--quiet", "--", "64"]);
+    assert_eq!(text(&output.stdout), "4 views rendered, 0 kept, in out/first\n");
+    assert_eq!(text(&output.stderr), "");
 }
 
 #[test]
