@@ -8,6 +8,7 @@ mod inputs;
 mod language;
 mod manual;
 mod mistakes;
+mod pictures;
 mod sandbox;
 mod study;
 mod sweep;

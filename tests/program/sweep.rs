@@ -366,6 +366,39 @@ fn a_changed_look_renders_nothing() {
     assert_same(&bench.files("out/s"), &first);
 }
 
+/// The same of many views, all at once: nothing that the picture does not depend on is looked at.
+#[test]
+fn a_hundred_views_are_developed_again() {
+    const VIEWS: usize = 100;
+    let script = [
+        ("k = 1, 8", "k = 1, 100"),
+        ("3 * k", "0.3 * k"),
+        ("64, height = 48", "16, height = 12"),
+        ("x = 30, y = 20", "x = 7, y = 4"),
+    ];
+    let change = [
+        ("eizo_t766 }", "eizo_t766, exposure = 3, look = \"seen\" }"),
+        ("x = 7, y = 4", "x = 6, y = 5"),
+        ("k_rg = 0.9", "name = \"mirror\", k_rg = 0.9"),
+    ];
+    let replaced = |text: String, (old, new): &(&str, &str)| {
+        assert!(text.contains(old), "{old}");
+        text.replace(old, new)
+    };
+    let bench = bench();
+    let script = script.iter().fold(SCRIPT.to_owned(), replaced);
+    bench.write("sweep.lua", &script);
+    assert_eq!(finish(&bench), (VIEWS, 0));
+    let first = bench.files("out/s");
+    bench.write("sweep.lua", &change.iter().fold(script, replaced));
+    assert_eq!(finish(&bench), (0, VIEWS));
+    let files = bench.files("out/s");
+    for view in 1..=VIEWS {
+        let [exr, png] = ["exr", "png"].map(|ending| format!("view_{view:04}.{ending}"));
+        assert!(files[&exr] == first[&exr] && files[&png] != first[&png], "view {view}");
+    }
+}
+
 #[test]
 fn views_share_one_exposure_and_one_range() {
     let bench = bench();
