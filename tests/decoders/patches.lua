@@ -1,4 +1,5 @@
--- Patches of even light in cd/m², in every kind of file; prints a table of their tristimulus values.
+-- Patches of even light in cd/m², in every kind of file; prints a table of their tristimulus values
+-- and of a band.
 
 local lampyris = require "lampyris"
 
@@ -15,7 +16,7 @@ local lights = {
   green = band(500, 570) + 0.3 * lampyris.spectrum.illuminant "D65",
 }
 local view = lampyris.view { width = 16, height = 9 }
-print "name,X,Y,Z"
+print "name,X,Y,Z,600nm"
 for name, light in pairs(lights) do
   for _, luminance in ipairs { 0.5, 5, 50, 500 } do
     local _, unit = light:xyz()
@@ -29,8 +30,11 @@ for name, light in pairs(lights) do
     image:save(file .. "_p3.png", { display = lampyris.display.p3, bits = 16, exposure = 0.1 })
     image:save(file .. ".exr")
     image:save(file .. "_half.exr", { bands = "half" })
+    image:save(file .. "_pxr24.exr", { bands = "pxr24" })
+    image:save(file .. "_none.exr", { bands = "none" })
     image:save(file .. ".hdr")
     image:save(file .. ".tif", { samples = "float" })
-    print(("%s,%.9g,%.9g,%.9g"):format(file, image:xyz()))
+    local x, y, z = image:xyz()
+    print(("%s,%.9g,%.9g,%.9g,%.9g"):format(file, x, y, z, image:spectrum():at(600)))
   end
 end
