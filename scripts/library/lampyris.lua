@@ -463,7 +463,7 @@ lampyris.environment = {}
 
 ---@class EnvironmentLoadOptions
 ---@field rotate? number  right-handed about +Y; at 0 the picture's middle is -Z, behind the lamp; -360 to 360 degrees; default 0
----@field luminance? number  of the file's white (1, 1, 1); 0 to 1000000000000 cd/m²; default the file's; else 1 for EXR, 179 for Radiance
+---@field luminance? number  of the file's white (1, 1, 1); 0 to 1000000000000 cd/m²; default the file's; else 179 for Radiance, 1 for others
 ---@field illuminance? number  of all of it on a level plane; above 0 lx; default what follows from luminance
 ---@field scale? number  times as bright; above 0; default 1
 

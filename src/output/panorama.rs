@@ -1,13 +1,15 @@
-//! Pictures of colors, read for surroundings: EXR and Radiance, told apart by content.
+//! Pictures of colors, read for surroundings: EXR, Radiance, JPEG and TIFF, told apart by content.
 
+use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use ::exr::prelude::{AnyChannels, FlatSamples, ReadChannels, ReadLayers, read as read_exr};
+use ::image::{DynamicImage, ImageReader};
 use glam::{DMat3, DVec3};
 
 use super::radiance;
-use crate::color::{D65_XY, REC709_XY, Xyz, xyz_from_primaries};
+use crate::color::{D65_XY, REC709_XY, Xyz, srgb_decode, xyz_from_primaries};
 use crate::error::{Error, Place, Result};
 use crate::input;
 
@@ -49,7 +51,8 @@ impl ColorPicture {
     }
 }
 
-/// Reads an EXR picture with channels R, G, B, or X, Y, Z, or Y alone, or a Radiance one.
+/// Reads an EXR picture with channels R, G, B, or X, Y, Z, or Y alone, a Radiance one, or a JPEG or
+/// TIFF one: digits are sRGB's, and floats linear.
 ///
 /// Errors: [`Error::Io`]; [`Error::BadFile`] for other files, and for pixels that are not finite.
 pub fn read_color_picture(path: &Path) -> Result<ColorPicture> {
@@ -60,8 +63,10 @@ pub fn read_color_picture(path: &Path) -> Result<ColorPicture> {
         exr_picture(path)?
     } else if radiance::MAGIC.iter().any(|magic| start.starts_with(magic)) {
         radiance::read(path, file)?
+    } else if DIGITS.iter().any(|magic| start.starts_with(magic)) {
+        digits(path, file)?
     } else {
-        let problem = "neither an OpenEXR nor a Radiance picture (.exr, .hdr)";
+        let problem = "no OpenEXR, Radiance, JPEG or TIFF picture (.exr, .hdr, .jpg, .tif)";
         return Err(Error::bad_file(path, Place::File, problem));
     };
     match picture.pixels.iter().position(|pixel| pixel.iter().any(|v| !v.is_finite())) {
@@ -72,6 +77,25 @@ pub fn read_color_picture(path: &Path) -> Result<ColorPicture> {
             Err(Error::bad_file(path, Place::File, problem))
         }
     }
+}
+
+/// How JPEG and TIFF files begin.
+const DIGITS: [&[u8]; 3] = [&[0xff, 0xd8, 0xff], b"II*\0", b"MM\0*"];
+
+/// A picture for a display: all of its light lies between black and white.
+fn digits(path: &Path, file: BufReader<File>) -> Result<ColorPicture> {
+    let broken = |e: ::image::ImageError| {
+        Error::bad_file(path, Place::File, format!("not a readable picture: {e}"))
+    };
+    // The reader bounds what a header may ask of memory.
+    let reader = ImageReader::new(file).with_guessed_format().map_err(|e| Error::io(path, e))?;
+    let read = reader.decode().map_err(broken)?;
+    let is_linear = matches!(read, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
+    let light = |v: f32| if is_linear { v } else { srgb_decode(f64::from(v)) as f32 };
+    let (width, height) = (read.width() as usize, read.height() as usize);
+    let pixels = read.into_rgb32f().pixels().map(|pixel| pixel.0.map(light)).collect();
+    let primaries = Primaries::Rgb(REC709_XY, D65_XY);
+    Ok(ColorPicture { width, height, pixels, primaries, cd_m2_of_one: None })
 }
 
 fn exr_picture(path: &Path) -> Result<ColorPicture> {
@@ -125,5 +149,46 @@ fn value(samples: &FlatSamples, at: usize) -> f32 {
         FlatSamples::F16(values) => values[at].to_f32(),
         FlatSamples::F32(values) => values[at],
         FlatSamples::U32(values) => values[at] as f32,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Photometry;
+    use crate::image::{Metadata, SpectralImage};
+    use crate::output::scratch::ScratchFolder;
+    use crate::output::{ColorSpace, Digits, Raster, write_float_tiff, write_jpeg, write_tiff};
+    use crate::spectrum::WavelengthGrid;
+
+    #[test]
+    fn digits_are_srgb_and_floats_linear() {
+        let scratch = ScratchFolder::new();
+        let raster = |samples| {
+            let (color_space, metadata) = (ColorSpace::Srgb, Metadata::new());
+            Raster { width: 2, height: 1, samples, color_space, metadata }
+        };
+        // The digit 188 of sRGB is half as bright as its white: 0.5029.
+        let path = scratch.path("i.tif");
+        write_tiff(&path, &raster(Digits::Eight(vec![188, 0, 255, 188, 0, 255].into()))).unwrap();
+        let read = read_color_picture(&path).unwrap();
+        assert_eq!((read.width, read.height), (2, 1));
+        let [half, black, white] = read.pixels[1];
+        assert!((half - 0.5029).abs() < 1e-4 && black == 0.0 && white == 1.0, "{half}");
+        let path = scratch.path("i.jpg");
+        write_jpeg(&path, &raster(Digits::Eight(vec![188; 6].into())), 100).unwrap();
+        let [red, ..] = read_color_picture(&path).unwrap().pixels[0];
+        // One digit more or less is 0.006.
+        assert!((red - 0.5029).abs() < 0.01, "{red}");
+        let path = scratch.path("f.tif");
+        let mut image = SpectralImage::new(2, 1, WavelengthGrid::Step20, Photometry::Absolute);
+        image.bands.fill(0.01);
+        write_float_tiff(&path, &image).unwrap();
+        let color = read_color_picture(&path).unwrap().colors().next().unwrap();
+        let expected = image.to_xyz().pixels[0];
+        assert!(expected.y > 100.0 && (color.y / expected.y - 1.0).abs() < 1e-6, "{color:?}");
+        std::fs::write(&path, b"II*\0cut off").unwrap();
+        let message = read_color_picture(&path).unwrap_err().to_string();
+        assert!(message.contains("f.tif: not a readable picture"), "{message}");
     }
 }

@@ -46,7 +46,7 @@ options! {
         /// right-handed about +Y; at 0 the picture's middle is -Z, behind the lamp
         rotate: f64 = AZIMUTH.or(0.0),
         /// of the file's white (1, 1, 1)
-        luminance: Option<f64> = LUMINANCE.optional("the file's; else 1 for EXR, 179 for Radiance"),
+        luminance: Option<f64> = LUMINANCE.optional("the file's; else 179 for Radiance, 1 for others"),
         /// of all of it on a level plane
         illuminance: Option<f64> = LX.optional("what follows from luminance"),
         /// times as bright
