@@ -56,6 +56,17 @@ class Tab:
                 return json.loads(text)
 
     def call(self, method, **parameters):
+        """What the browser answers; asked again while a page that loads cannot be asked yet."""
+        end = time.monotonic() + 30
+        while True:
+            answer = self.ask(method, parameters)
+            message = answer.get("error", {}).get("message", "")
+            if "execution context" not in message or time.monotonic() > end:
+                assert "error" not in answer, answer
+                return answer["result"]
+            time.sleep(0.05)
+
+    def ask(self, method, parameters):
         self.count += 1
         message = {"id": self.count, "method": method, "params": parameters}
         payload = json.dumps(message).encode()
@@ -65,8 +76,7 @@ class Tab:
         while True:
             answer = self.receive()
             if answer.get("id") == self.count:
-                assert "error" not in answer, answer
-                return answer["result"]
+                return answer
 
     def evaluate(self, expression):
         result = self.call("Runtime.evaluate", expression=expression, returnByValue=True)
