@@ -37,35 +37,24 @@ fn bench(saves: &str) -> Bench {
 
 const RUN: [&str; 3] = ["run", "render.lua", "--quiet"];
 
+/// Everything that becomes of a picture, rendered or loaded.
+const SAVES: &str = r#"
+image:save("whole.exr")
+for _, look in ipairs { "seen", "camera", "paper" } do
+  image:save(look .. ".png", { look = look })
+end
+image:save("wide.png", { display = lampyris.display.p3_pq { peak = 600 } })
+image.layers["light 2"]:save("light.png")
+local relit = 0.3 * image.layers["light 1"] + image.layers["light 2"]
+relit:save("relit.png")
+"#;
+
 #[test]
 fn a_loaded_picture_is_the_rendered_one() {
-    let bench = bench(
-        r#"
-        image:save("whole.exr")
-        for _, look in ipairs { "seen", "camera", "paper" } do
-          image:save(look .. ".png", { look = look })
-        end
-        image:save("wide.png", { display = lampyris.display.p3_pq { peak = 600 } })
-        image.layers["light 2"]:save("light.png")
-        local relit = 0.3 * image.layers["light 1"] + image.layers["light 2"]
-        relit:save("relit.png")
-        "#,
-    );
-    bench.write(
-        "load.lua",
-        r#"
-        local lampyris = require "lampyris"
-        local image = lampyris.image.load "out/whole.exr"
-        image:save("whole.exr")
-        for _, look in ipairs { "seen", "camera", "paper" } do
-          image:save(look .. ".png", { look = look })
-        end
-        image:save("wide.png", { display = lampyris.display.p3_pq { peak = 600 } })
-        image.layers["light 2"]:save("light.png")
-        local relit = 0.3 * image.layers["light 1"] + image.layers["light 2"]
-        relit:save("relit.png")
-        "#,
-    );
+    let bench = bench(SAVES);
+    let load =
+        "local lampyris = require 'lampyris'\nlocal image = lampyris.image.load 'out/whole.exr'";
+    bench.write("load.lua", &format!("{load}\n{SAVES}"));
     bench.succeed(&RUN);
     bench.succeed(&["run", "load.lua", "--quiet", "--out", "again"]);
     let (first, again) = (bench.files("out"), bench.files("again"));

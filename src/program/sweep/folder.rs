@@ -51,20 +51,12 @@ impl Folder {
             shard.is_none() || is_of(file, &own) || is_of(file, &timings::name(shard))
         };
         unfinished.iter().filter(is_ours).try_for_each(|file| remove(&path.join(file)))?;
-        let [known, earlier] = known(path, &own)?;
-        let manifest = Manifest { source, ..Manifest::default() };
-        let seconds = timings::read(path, shard);
-        let path = path.to_owned();
         Ok(Self {
-            path,
-            shard,
-            known,
-            earlier,
-            manifest,
-            seconds,
-            log: None,
+            manifest: Manifest { source, ..Manifest::default() },
+            seconds: timings::read(path, shard),
             unfinished,
             _lock: lock,
+            ..Self::look(path, shard)?
         })
     }
 
