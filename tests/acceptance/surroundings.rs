@@ -427,6 +427,11 @@ fn an_exr_of_a_script_becomes_surroundings() {
         -- An RGBE pixel has 8 bits a channel: 1 part in 256 at worst; its file has no cd/m².
         local radiance = lampyris.environment.load("sky.hdr", { illuminance = 20000, scale = 0.5 })
         check(radiance:illuminance(), 10000, "of a Radiance picture")
+        -- 179 lm/W makes cd/m² of a Radiance picture's 1, unless it is said otherwise.
+        local plain = lampyris.environment.load("sky.hdr"):illuminance()
+        assert(math.abs(plain / (math.pi * 500) - 1) < 1 / 128, plain)
+        local dim = lampyris.environment.load("sky.hdr", { luminance = 17.9 })
+        check(dim:illuminance(), plain / 10, "of a white that is given")
     "#;
     std::fs::write(&script, text).unwrap();
     run_script(&script, &folder, &[]);
