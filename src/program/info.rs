@@ -123,7 +123,12 @@ fn mesh(path: &Path) -> Result<Vec<String>> {
         format!("{format} mesh, {} triangles", mesh.triangles.len()),
         format!("{} vertices, those at one place counted once", mesh.positions.len()),
     ];
-    let others = [file.unit_warning(), file.size_warning(), file.inside_out_warning()];
+    let others = [
+        file.unit_warning(),
+        file.size_warning(),
+        file.inside_out_warning(),
+        file.normals_warning(),
+    ];
     let warnings: Vec<String> =
         file.warnings.iter().cloned().chain(others.into_iter().flatten()).collect();
     lines.extend(MESH.lines(&NamedMesh::from(file)));

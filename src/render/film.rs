@@ -14,6 +14,8 @@ pub(super) struct PixelStats {
     pub mean: f64,
     /// Σ (Y − mean)².
     squares: f64,
+    /// Rays and light sums that the samples took.
+    pub steps: u64,
     /// Σ of the errors that light sums are estimated to leave in the samples' luminances.
     pub light_luminance_error: f64,
     /// What tells the mean's error, where that is asked.

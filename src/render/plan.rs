@@ -17,6 +17,13 @@ const DECAY: f64 = 1.5;
 /// Share of the wanted squared error that a plan aims at, since estimates scatter.
 const AIM: f64 = 0.9;
 
+/// Share of the samples to come by a plan that are taken in the end (measured: 0.17 to 0.48 after 2
+/// and 4 samples a pixel, 0.36 to 0.63 after 8 and 16). Few samples overrate errors, and a pixel is
+/// only doubled if it wants twice as many.
+fn share_taken(first_samples: u32) -> f64 {
+    if first_samples < 8 { 0.3 } else { 0.45 }
+}
+
 /// What a pixel needs at least, as a share of what its neighbors do: of the mean of their variances,
 /// and of any one's samples. It may have a highlight that none of its samples has met, and the more
 /// likely the more its neighbors need.
@@ -76,6 +83,10 @@ impl Quarters {
 }
 
 impl PixelStats {
+    fn steps_a_sample(&self) -> f64 {
+        self.steps as f64 / f64::from(self.count.max(1))
+    }
+
     /// Estimated squared error of the luminance, relative to it or to `lit`.
     fn squared_error(&self, lit: f64) -> f64 {
         let scale = self.quarters.scale(lit);
@@ -86,8 +97,8 @@ impl PixelStats {
 /// What a plan leads to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Outlook {
-    /// Camera rays of the whole picture when it is done, as far as can be told.
-    pub camera_rays: f64,
+    /// Rays and light sums of the whole picture when it is done, as far as can be told.
+    pub steps: f64,
     /// Whether any pixel has more to come.
     pub goes_on: bool,
 }
@@ -116,9 +127,8 @@ impl Film {
     /// With errors e² ~ n^−[`DECAY`] the picture's is least for a given number of samples if each
     /// pixel has them in proportion to (e² n^DECAY)^(1/(1 + DECAY)).
     pub fn plan(&mut self, target: f64, most: u32) -> Outlook {
-        let spent: f64 = self.pixels.iter().map(|pixel| f64::from(pixel.count)).sum();
         if self.lit_error() <= target {
-            return Outlook { camera_rays: spent, goes_on: false };
+            return Outlook { steps: self.steps(), goes_on: false };
         }
         let errors = self.squared_errors();
         let wanted = self.wanted_samples(&errors, self.allowed(target, &errors, most));
@@ -128,17 +138,24 @@ impl Film {
         if chosen.is_empty() {
             chosen = self.most_useful(&errors, &is_open, target);
         }
-        let rays = |at: usize| wanted[at].clamp(f64::from(self.pixels[at].count), f64::from(most));
-        let outlook =
-            Outlook { camera_rays: (0..wanted.len()).map(rays).sum(), goes_on: !chosen.is_empty() };
+        let to_come = self.pixels.iter().zip(&wanted).map(|(pixel, &wanted)| {
+            pixel.steps_a_sample() * (wanted.min(f64::from(most)) - f64::from(pixel.count)).max(0.0)
+        });
+        let to_come = share_taken(first_samples(target)) * to_come.sum::<f64>();
+        let outlook = Outlook { steps: self.steps() + to_come, goes_on: !chosen.is_empty() };
         chosen.into_iter().for_each(|at| self.pixels[at].quarters.double());
         outlook
     }
 
-    /// Camera rays that are planned and not taken.
-    pub fn rays_to_come(&self) -> f64 {
+    /// Rays and light sums of all samples that were taken.
+    pub fn steps(&self) -> f64 {
+        self.pixels.iter().map(|pixel| pixel.steps as f64).sum()
+    }
+
+    /// Those of the samples that are planned and not taken.
+    pub fn steps_to_come(&self) -> f64 {
         let open = |pixel: &PixelStats| pixel.quarters.planned.saturating_sub(pixel.count);
-        self.pixels.iter().map(|pixel| f64::from(open(pixel))).sum()
+        self.pixels.iter().map(|pixel| pixel.steps_a_sample() * f64::from(open(pixel))).sum()
     }
 
     /// Sum of squared errors that pixels may leave together, were `most` no limit.
@@ -230,6 +247,7 @@ mod tests {
             }
             while !pixel.quarters.is_full(pixel.count) {
                 pixel.add(luminance(pixel.count), 0.0);
+                pixel.steps += 1;
             }
         }
     }
@@ -268,9 +286,10 @@ mod tests {
         }
         let error = film.lit_error();
         assert!(!film.plan(1.01 * error, 100_000).goes_on, "is within the target");
-        // Errors fall as n^−¾: a tenth takes 21.5 times as many, a quarter of them next door.
+        // Errors fall as n^−¾: a tenth takes 21.5 times as many.
         let outlook = film.plan(0.1 * error, 100_000);
-        assert!(outlook.goes_on && outlook.camera_rays > 1300.0, "{outlook:?}");
+        // From 576 to 1300 and more, of which 0.45 are thought to be taken.
+        assert!(outlook.goes_on && outlook.steps > 900.0, "{outlook:?}");
         let open = |pixel: &PixelStats| !pixel.quarters.is_full(pixel.count);
         let doubled: Vec<bool> = film.pixels.iter().map(open).collect();
         assert_eq!(doubled[..2], [true, true], "its neighbor has some, too");

@@ -96,8 +96,8 @@ impl Sampler<'_> {
                 + of_round.sample_until(film, |pixel| pixel.quarters.is_full(pixel.count))?;
             told = round.told.into_inner();
             let outlook = film.plan(error, max);
-            let share = counts.camera_rays as f64 / outlook.camera_rays;
-            share_after = (share + film.rays_to_come() / outlook.camera_rays).min(1.0);
+            let share = film.steps() / outlook.steps;
+            share_after = (share + film.steps_to_come() / outlook.steps).min(1.0);
             let spent_seconds = start.elapsed().as_secs_f64();
             film.expected_seconds.get_or_insert(spent_seconds / share);
             self.watch.expects(spent_seconds * (share.recip() - 1.0));
@@ -157,6 +157,7 @@ impl Sampler<'_> {
         let mut parts: Vec<Bands> = sums.collect();
         let pattern = Pattern::of_pixel(x, y);
         let set = self.set_size.map(|count| pattern.set(count)).unwrap_or_default();
+        let steps_before = state.counts.steps();
         while !enough(stats) {
             let in_set = set.get(stats.count as usize).copied();
             let [dx, dy] = in_set.unwrap_or_else(|| pattern.place(stats.count));
@@ -170,6 +171,7 @@ impl Sampler<'_> {
             stats.add(luminance, state.luminance_error);
             sum.add(&sample);
         }
+        stats.steps += state.counts.steps() - steps_before;
         let sums = sum.as_slice().iter().chain(parts.iter().flat_map(Bands::as_slice));
         for (mean, sum) in spectrum.iter_mut().zip(sums) {
             *mean = (sum / f64::from(stats.count)) as f32;

@@ -113,10 +113,12 @@ pub fn render_to_target(
         grid: GRID,
         ..Quality::default()
     };
+    let trial_seconds = start.elapsed().as_secs_f64();
     let (mut image, mut stats) = render(prepared, view, &quality, watch)?;
     image.metadata.insert("target_error".to_owned(), target.to_string());
     stats.target = Some(chosen.report(target, &image, &stats));
     stats.counts = pilot + stats.counts;
+    stats.expected_seconds = stats.expected_seconds.map(|seconds| trial_seconds + seconds);
     stats.seconds = start.elapsed().as_secs_f64();
     Ok((image, stats))
 }
@@ -287,9 +289,14 @@ impl Trials<'_> {
     }
 }
 
-/// Rms change of the rays' luminances, relative to their pixels'.
+/// Rms change of the rays' luminances, relative to those of their pixels with the ray among the
+/// samples: a highlight that the pilot has missed makes its pixel brighter.
 fn rms_change(rays: &[LitRay], from: &[f64], to: &[f64]) -> f64 {
+    let share = f64::from(PILOT_SAMPLES + 1).recip();
     let changes = rays.iter().zip(from.iter().zip(to));
-    let squares: f64 = changes.map(|(lit, (a, b))| ((a - b) / lit.luminance).powi(2)).sum();
+    let relative = |(lit, (from, to)): (&LitRay, (&f64, &f64))| {
+        (to - from) / (lit.luminance + share * (to - lit.luminance))
+    };
+    let squares: f64 = changes.map(|change| relative(change).powi(2)).sum();
     (squares / rays.len().max(1) as f64).sqrt()
 }

@@ -1,6 +1,6 @@
 //! What can be rendered but was hardly meant: noticed once the scene is prepared.
 
-use crate::geometry::{DVec3, Ray};
+use crate::geometry::{DVec3, Mesh, Ray};
 use crate::light::RaySample;
 use crate::scene::{Prepared, Scene, SurfaceKind};
 use crate::view::View;
@@ -16,6 +16,7 @@ pub fn of_scene(prepared: &Prepared) -> Vec<String> {
     let mut warnings: Vec<String> = size_warning(prepared).into_iter().collect();
     warnings.extend(unit_warnings(&prepared.scene));
     let objects = 0..prepared.scene.objects.len();
+    warnings.extend(objects.clone().filter_map(|at| normals_warning(&prepared.scene, at)));
     warnings.extend(objects.filter_map(|at| body_warning(prepared, at)));
     // What bounces lies on surfaces of itself.
     let all = prepared.scene.lights.len();
@@ -95,6 +96,20 @@ fn fits(size: DVec3, others: DVec3, mm: f64) -> bool {
     let is_alike = |axis: usize| (0.8..1.25).contains(&(size[axis] / others[axis]));
     let narrowest = (0..3).min_by(|&a, &b| others[a].total_cmp(&others[b])).unwrap_or(2);
     (0..3).filter(|&axis| axis != narrowest).all(is_alike)
+}
+
+/// A mesh whose normals are of no use, since they belong to its backs.
+fn normals_warning(scene: &Scene, object: usize) -> Option<String> {
+    let opposed = scene.objects[object].mesh.opposed_share();
+    let name = &scene.materials[scene.objects[object].material.0].name;
+    (opposed > Mesh::OPPOSED_SHARE).then(|| {
+        format!(
+            "object {}, {name}: vertex normals oppose the winding on {:.0} % of the area, which is \
+             shaded flat: turn over the faces or the normals where the mesh was made",
+            object + 1,
+            100.0 * opposed
+        )
+    })
 }
 
 /// A mesh that is not the body that its material asks for.

@@ -99,6 +99,15 @@ impl std::ops::Add for TraceCounts {
 }
 
 impl TraceCounts {
+    /// Rays and light sums, which tell about how long tracing takes.
+    pub fn steps(&self) -> u64 {
+        self.camera_rays
+            + self.mirror_rays
+            + self.transmitted_rays
+            + self.shadow_rays
+            + self.light_sums
+    }
+
     /// What pictures lack, in words.
     pub fn warnings(&self) -> Vec<String> {
         /// Share of all camera rays: fewer show nowhere.

@@ -119,6 +119,15 @@ impl MeshFile {
         let is_inside_out = self.mesh.volume_mm3() < 0.0 && Closure::of(&self.mesh).is_closed();
         is_inside_out.then(|| "its volume is negative: fronts are inside".to_owned())
     }
+
+    /// Whether its vertex normals are those of its backs.
+    pub fn normals_warning(&self) -> Option<String> {
+        let opposed = self.mesh.opposed_share();
+        (opposed > Mesh::OPPOSED_SHARE).then(|| {
+            let percent = 100.0 * opposed;
+            format!("vertex normals oppose the winding on {percent:.0} % of the area: shaded flat")
+        })
+    }
 }
 
 /// A number to three digits.

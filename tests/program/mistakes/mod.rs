@@ -18,12 +18,13 @@ local view = L.view { width = 8, height = 8 }
 "#;
 
 /// Beside the script.
-const FILES: [(&str, &str); 12] = [
+const FILES: [(&str, &str); 13] = [
     ("triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\ng lens\nf 1 2 3\n"),
     (
         "cube.obj",
         "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\nf 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n",
     ),
+    ("opposed.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 -1\nf 1//1 2//1 3//1\n"),
     ("points.obj", "v 0 0 0\nv 1 0 0\n"),
     ("wrong.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
     ("letters.obj", "v 0 zero 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"),
@@ -68,6 +69,11 @@ const WARNINGS: &[[&str; 3]] = &[
         "open body with a thickness",
         "L.scene { objects = { { mesh = triangle, material = L.material { transmittance = 0.9, k_tg = 1, thickness = 3 } } }, background = 1 }:render(view)",
         "object 1, material: \"thickness\" asks for a closed body, but 3 edges of the mesh bound a hole or join triangles that face opposite sides; each of its surfaces is taken by itself, with its front outside",
+    ],
+    [
+        "normals of the other side",
+        "L.scene { objects = { { mesh = L.mesh.load 'opposed.obj', material = paper } }, background = 1 }:render(view)",
+        "object 1, material: vertex normals oppose the winding on 100 % of the area, which is shaded flat: turn over the faces or the normals where the mesh was made",
     ],
     [
         "eye inside a mesh",
