@@ -187,8 +187,13 @@ impl Sampler<'_> {
 }
 
 /// Σ of as many samples as have made this mean.
+///
+/// Memory that nothing was written to is not read: the kernel would map it twice.
 fn sum_of(mean: &[f32], count: u32) -> Bands {
     let mut sum = Bands::zero(mean.len());
+    if count == 0 {
+        return sum;
+    }
     for (sum, mean) in sum.as_mut_slice().iter_mut().zip(mean) {
         *sum = f64::from(*mean) * f64::from(count);
     }

@@ -74,7 +74,7 @@ pub(super) fn eval_octet(
 
 #[inline(always)]
 fn of_lobes(octet: &Octet, table: (OctahedronGrid, &[Channels]), query: &NodeQuery) -> NodeSums {
-    kernel(octet, table, query, sum_lobes)
+    kernel::<false>(octet, table, query)
 }
 
 #[inline(always)]
@@ -83,22 +83,23 @@ fn of_half_lobes(
     table: (OctahedronGrid, &[Channels]),
     query: &NodeQuery,
 ) -> NodeSums {
-    kernel(octet, table, query, sum_half_lobes)
+    kernel::<true>(octet, table, query)
 }
 
+/// `HALF` and not a function as argument: a call of one would not be compiled for the caller's
+/// instruction set.
 #[inline(always)]
-fn kernel(
+fn kernel<const HALF: bool>(
     octet: &Octet,
     (grid, table): (OctahedronGrid, &[Channels]),
     query: &NodeQuery,
-    sum_lobes: impl Fn(&Cloud, &NodeQuery) -> LobeSums,
 ) -> NodeSums {
     let to_center: Vectors = vectors(|axis| octet.center[axis] + -query.point[axis]);
     let inverse_distance = dot(&to_center, &to_center).inverse_sqrt();
     let outward = scaled(&to_center, -inverse_distance);
     let emission = Emission::look_up(&outward, octet, (grid, table));
     let cloud = Cloud::new(&to_center, octet, &emission);
-    let lobes = sum_lobes(&cloud, query);
+    let lobes = if HALF { sum_half_lobes(&cloud, query) } else { sum_lobes(&cloud, query) };
 
     let falloff = falloff(&cloud, inverse_distance, query.inverse_square);
     let parallax = emission.parallax * inverse_distance;
