@@ -73,7 +73,9 @@ impl Descent<'_> {
             half: self.query.side.is_half.then(|| self.query.side.view().as_vec3().into()),
             inverse_square: self.query.inverse_square,
         };
-        let mut state = DescentState::new();
+        // None after a panic, or within another sum of this thread: then there is a new one.
+        let mut state = KEPT_STATE.take().unwrap_or_default();
+        state.clear();
         self.expand_octet(0, 0, &node_query, &mut state);
         while let Some([smooth, other]) = self.thresholds(&mut state) {
             let threshold = |leaf: &Leaf| if leaf.is_smooth() { smooth } else { other };
@@ -85,7 +87,9 @@ impl Descent<'_> {
             }
         }
         let (value, error) = (state.value(), self.estimate(&state));
-        SideSum { sum: value, error, nodes: state.nodes, samples: state.samples }
+        let sum = SideSum { sum: value, error, nodes: state.nodes, samples: state.samples };
+        KEPT_STATE.set(Some(state));
+        sum
     }
 
     /// The errors over which smooth nodes and others are expanded; none once all of them are within
@@ -261,6 +265,12 @@ impl Shade {
     }
 }
 
+thread_local! {
+    /// Each thread's lists, so that a sum allocates nothing.
+    static KEPT_STATE: Cell<Option<Box<DescentState>>> = const { Cell::new(None) };
+}
+
+#[derive(Default)]
 struct DescentState {
     leaves: Vec<Leaf>,
     expanded: Vec<Leaf>,
@@ -274,16 +284,12 @@ struct DescentState {
 }
 
 impl DescentState {
-    fn new() -> DescentState {
-        DescentState {
-            leaves: Vec::with_capacity(256),
-            expanded: Vec::with_capacity(64),
-            settled: Vec::new(),
-            exact: 0.0,
-            nodes: 0,
-            samples: 0,
-            scratch: None,
-        }
+    fn clear(&mut self) {
+        let Self { leaves, expanded, settled, exact, nodes, samples, scratch: _ } = self;
+        leaves.clear();
+        expanded.clear();
+        settled.clear();
+        (*exact, *nodes, *samples) = (0.0, 0, 0);
     }
 
     fn value(&self) -> f64 {
