@@ -652,10 +652,15 @@ function Scene:paths(view, options) end
 ---@class lampyris.image
 lampyris.image = {}
 
----An image from an EXR file of lampyris, with all its bands.
+---@class ImageLoadOptions
+---@field luminance? number  of the picture's white; the image is then in cd/m²; 0 to 1000000000000 cd/m²; default the file's, where it has one
+
+---An image from an EXR file of lampyris, with all its bands; or from a picture of colors (PNG, JPEG,
+---TIFF, Radiance, EXR), with smooth spectra that have them.
 ---@param path string
+---@param options? ImageLoadOptions
 ---@return Image
-function lampyris.image.load(path) end
+function lampyris.image.load(path, options) end
 
 ---The picture of lamps dimmed to these shares of their light; `a + b` and `0.3 * a` are short for it.
 ---@param terms (Image|table)[]  {{image, weight}, …}; an image alone has the weight 1

@@ -66,6 +66,21 @@ impl Upsampling {
         }
     }
 
+    /// The smoothest mixing that holds all `colors`, or P3's, and how many it does not hold.
+    pub fn holding(colors: impl Iterator<Item = Xyz> + Clone) -> (&'static Upsampling, usize) {
+        let [rec709, p3] = [ColorGamut::Rec709, ColorGamut::P3].map(Upsampling::of);
+        if colors.clone().all(|color| rec709.holds(color)) {
+            return (rec709, 0);
+        }
+        (p3, colors.filter(|color| !p3.holds(*color)).count())
+    }
+
+    /// A primary's spectrum at the bands of `grid`, with a luminance of 1.
+    pub fn bands(&self, primary: usize, grid: WavelengthGrid) -> Vec<f64> {
+        let spectrum = &self.spectra[primary];
+        spectrum.scaled(spectrum.luminous_flux(grid).recip()).on_grid(grid)
+    }
+
     /// Whether the color has no negative part, but for rounding.
     pub fn holds(&self, color: Xyz) -> bool {
         let rgb = self.rgb_from_xyz * DVec3::from(color);

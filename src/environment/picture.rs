@@ -3,7 +3,7 @@
 use super::dome::Luminances;
 use super::patch::Cells;
 use crate::color::Xyz;
-use crate::color::upsampling::{ColorGamut, Upsampling};
+use crate::color::upsampling::Upsampling;
 use crate::error::{Error, Result};
 
 /// A picture of all directions: row 0 is straight up, the middle column −Z, right of it +X.
@@ -43,9 +43,7 @@ impl Picture {
         height: usize,
         colors: impl Iterator<Item = Xyz> + Clone,
     ) -> Result<(Picture, &'static Upsampling, f64)> {
-        let [rec709, p3] = [ColorGamut::Rec709, ColorGamut::P3].map(Upsampling::of);
-        let upsampling = if colors.clone().all(|color| rec709.holds(color)) { rec709 } else { p3 };
-        let outside = colors.clone().filter(|color| !upsampling.holds(*color)).count();
+        let (upsampling, outside) = Upsampling::holding(colors.clone());
         let pixels = colors.map(|color| upsampling.mix(color).map(|value| value as f32));
         let picture = Picture::new(width, height, pixels.collect())?;
         Ok((picture, upsampling, outside as f64 / (width * height) as f64))

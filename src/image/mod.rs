@@ -1,5 +1,6 @@
 //! What a render returns, and its tristimulus values.
 
+mod colors;
 /// How far an image is from a reference.
 pub mod difference;
 /// How even an image is.

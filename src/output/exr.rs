@@ -7,7 +7,7 @@
 //! integrates the bands over λ: they are samples of a density, and [`DENSITY`] says so.
 
 use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use ::exr::image::Blocks;
@@ -292,6 +292,9 @@ pub struct ExrInfo {
     pub attributes: Metadata,
 }
 
+/// How EXR files begin.
+pub(super) const EXR_MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
+
 /// Errors: [`Error::Io`]; [`Error::BadFile`] if it is no EXR file.
 pub fn read_exr_info(path: &Path) -> Result<ExrInfo> {
     let file = BufReader::new(input::open(path)?);
@@ -306,6 +309,21 @@ pub fn read_exr_info(path: &Path) -> Result<ExrInfo> {
     let attributes = own.iter().chain(shared).filter_map(text_attribute).collect();
     let (width, height) = (header.layer_size.0, header.layer_size.1);
     Ok(ExrInfo { width, height, channels, wavelengths_nm, attributes })
+}
+
+/// Whether a file is an EXR one with bands; an EXR file with colors alone is none.
+///
+/// Errors: [`Error::Io`]; [`Error::BadFile`] for a broken EXR file.
+pub fn is_spectral_exr(path: &Path) -> Result<bool> {
+    let mut start = BufReader::new(input::open(path)?);
+    let start = start.fill_buf().map_err(|e| Error::io(path, e))?;
+    Ok(start.starts_with(EXR_MAGIC) && {
+        let info = read_exr_info(path)?;
+        let has_colors = ["R", "X", "CIE.X", "Y"]
+            .iter()
+            .any(|name| info.channels.iter().any(|channel| channel.eq_ignore_ascii_case(name)));
+        !(info.wavelengths_nm.is_empty() && has_colors)
+    })
 }
 
 fn text_attribute((key, value): (&Text, &AttributeValue)) -> Option<(String, String)> {

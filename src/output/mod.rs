@@ -2,10 +2,11 @@
 
 mod atomic;
 mod base64;
+mod color_picture;
+mod digits;
 mod exchange;
 mod exr;
 mod hdr;
-mod panorama;
 mod png;
 mod radiance;
 #[cfg(test)]
@@ -20,10 +21,12 @@ use crate::spectrum::Spectrum;
 
 pub use atomic::{confine, create, make_folder, write_atomically, write_csv, write_text};
 pub use base64::base64;
+pub use color_picture::{ColorPicture, Primaries, declared_size, read_color_picture};
 pub use exchange::{write_float_tiff, write_jpeg, write_tiff};
-pub use exr::{ExrBands, ExrInfo, read_exr, read_exr_info, write_exr, write_exr_as};
+pub use exr::{
+    ExrBands, ExrInfo, is_spectral_exr, read_exr, read_exr_info, write_exr, write_exr_as,
+};
 pub use hdr::{HdrColors, write_hdr};
-pub use panorama::{ColorPicture, Primaries, read_color_picture};
 pub use png::{
     ColorSpace, Digits, Raster, develop_png, develop_raster, display_raster, encode_png, read_png,
     write_png,

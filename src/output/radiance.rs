@@ -5,7 +5,7 @@
 use std::io::{BufRead, Read};
 use std::path::Path;
 
-use super::panorama::{ColorPicture, Primaries};
+use super::color_picture::{ColorPicture, Primaries};
 use crate::color::{D65_XY, REC709_XY};
 use crate::error::{Error, Place, Result};
 

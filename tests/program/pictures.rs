@@ -116,3 +116,35 @@ fn clipped_pictures_are_told_once_with_a_remedy() {
     }
     assert_eq!(warnings(seen), "");
 }
+
+/// What a picture was saved as is compared with it, as a photograph of the lamp would be: within the
+/// digits of 8 bits, of 16 bits of PQ, and of floats.
+#[test]
+fn pictures_of_colors_are_compared() {
+    let bench = Bench::new();
+    let saves = r#"
+image:save("digits.png", { display = lampyris.display.rec2020, exposure = 80 / 500 })
+image:save("float.tif", { samples = "float" })
+image:save("colors.exr", { bands = "none" })
+image:save("whole.exr")
+image:save("absolute.png", { display = lampyris.display.p3_pq { peak = 1000 } })
+local function told(file, options, rms)
+  local difference = lampyris.image.load("out/" .. file, options):compare(image)
+  assert(difference.relative_rms < rms, file .. ": " .. difference.relative_rms)
+  assert(difference.mean_delta_e_2000 < 100 * rms, file .. ": " .. difference.mean_delta_e_2000)
+end
+told("digits.png", { luminance = 500 }, 0.01)
+told("float.tif", nil, 1e-4)
+told("colors.exr", nil, 1e-4)
+told("absolute.png", nil, 1e-3)
+local _, message = pcall(lampyris.image.load, "out/whole.exr", { luminance = 1 })
+error(message)
+"#;
+    let gray = RENDER.replace("reflectance = red", "reflectance = 0.1");
+    bench.write("render.lua", &format!("{gray}{saves}"));
+    let output = bench.run(&RUN);
+    let message = text(&output.stderr);
+    assert!(message.contains("colors.exr: has colors and no bands: smooth spectra"), "{message}");
+    let last = "\"luminance\" is for pictures of colors, and this file holds spectra\n";
+    assert!(message.contains(last), "{message}");
+}

@@ -87,6 +87,7 @@ const RECORDS: &[fn() -> Class] = &[
     class::<super::light::RaysetNewOptions>,
     class::<super::light::RaysetNoiseOptions>,
     class::<super::light::RaysetHalvesOptions>,
+    class::<super::image::ImageLoadOptions>,
     class::<super::environment::EnvironmentLoadOptions>,
     class::<super::environment::PanelOptions>,
     class::<super::environment::RoomOptions>,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use mlua::{Lua, Table, UserData, UserDataRegistry, Value};
 
 use super::host;
+use super::image;
 use super::kinds::{Any, Count, Kind, List, Naming, Number, Numbers, SpectrumOrNumber, nested};
 use super::members::{Members, functions};
 use super::options::{self, Arguments, Range, wrong_type};
@@ -18,7 +19,6 @@ use crate::environment::{
 };
 use crate::error::Error;
 use crate::geometry::DVec3;
-use crate::output;
 use crate::scene::Background;
 use crate::spectrum::daylight::DAYLIGHT_RANGE_K;
 use crate::spectrum::{Spectrum, WavelengthGrid};
@@ -30,7 +30,7 @@ pub struct LuaEnvironment(pub Arc<Environment>);
 const LX: Number = Number(Range::above_zero("lx"));
 const AZIMUTH: Number = Number(Range::new(-360.0, 360.0, "degrees"));
 const CCT: Number = Number(Range::new(DAYLIGHT_RANGE_K[0], DAYLIGHT_RANGE_K[1], "K"));
-const LUMINANCE: Number = Number(Range::new(0.0, 1e12, "cd/m²"));
+pub(super) const LUMINANCE: Number = Number(Range::new(0.0, 1e12, "cd/m²"));
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     functions(lua, module, "environment", |functions| {
@@ -59,17 +59,14 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaEnvironment> {
     let path = arguments.text("path")?;
     let given: EnvironmentLoadOptions = arguments.record()?;
     let host = host::of(lua)?;
-    let file = output::read_color_picture(&host.input(&path)?)?;
+    let file = image::color_picture(lua, OBJECT, &path, 0)?;
     if file.width != 2 * file.height {
         let (width, height) = (file.width, file.height);
         host.warn(format!("{path}: {width} × {height} pixels, expected twice as wide as high"));
     }
     let (picture, upsampling, paled) =
         Picture::from_colors(file.width, file.height, file.colors())?;
-    if paled > 0.0 {
-        let percent = 100.0 * paled;
-        host.warn(format!("{path}: {percent:.2} % of the pixels lie outside of P3, and are paled"));
-    }
+    image::warn_of_paled(&host, &path, paled);
     let environment = Environment::new(Dome::Picture(picture), upsampling.spectra.to_vec())?;
     let environment = environment.turned(given.rotate);
     let environment = match (given.luminance, given.illuminance) {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use mlua::{Lua, MetaMethod, Table, UserData, UserDataRegistry, Value};
 
+use super::environment::LUMINANCE;
 use super::host::Host;
 use super::kinds::{Choice, Count, Handle, Kind, List, Naming, Nested};
 use super::look::PngOptions;
@@ -22,14 +23,14 @@ use crate::error::Error;
 use crate::image::difference::ImageDifference;
 use crate::image::homogeneity;
 use crate::image::{Region, SpectralImage, XyzImage, weighted_sum};
-use crate::output::{self, ExrBands, HdrColors, Raster};
+use crate::output::{self, ColorPicture, ExrBands, HdrColors, Raster};
 use crate::program::fields::Cell;
 use crate::program::intensity;
 use crate::program::memory;
 use crate::program::results::{COST, Cost, DEVELOPED, DIFFERENCE, HOMOGENEITY, STATS};
 use crate::render::RenderStats;
 use crate::scene::{BuildSeconds, Prepared};
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Spectrum, WavelengthGrid};
 use crate::view::View;
 
 /// Handle of a rendered image.
@@ -56,13 +57,75 @@ const IMAGES: &str = "a list of {image, weight}";
 
 pub(super) fn register(lua: &Lua, module: &Table) -> mlua::Result<()> {
     functions(lua, module, "image", |functions| {
-        functions.add("load", 1, |lua, mut arguments| {
-            let path = host::of(lua)?.input(&arguments.text("path")?)?;
-            host::reserve_for_file(lua, "image.load", &path)?;
-            Ok(LuaImage::of(output::read_exr(&path)?))
-        })?;
+        functions.add("load", 2, load)?;
         functions.add("sum", 1, sum)
     })
+}
+
+options! {
+    /// A picture of colors as an image.
+    struct ImageLoadOptions {
+        /// of the picture's white; the image is then in cd/m²
+        luminance: Option<f64> = LUMINANCE.optional("the file's, where it has one"),
+    }
+}
+
+/// An image as it was saved, or a picture of colors (a photograph) with spectra that have them.
+fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaImage> {
+    const OBJECT: &str = "image.load";
+    let path = arguments.text("path")?;
+    let given: ImageLoadOptions = arguments.record()?;
+    let host = host::of(lua)?;
+    let file = host.input(&path)?;
+    if output::is_spectral_exr(&file)? {
+        if given.luminance.is_some() {
+            let problem = "\"luminance\" is for pictures of colors, and this file holds spectra";
+            return Err(Error::inconsistent(OBJECT, problem).into());
+        }
+        host::reserve_for_file(lua, OBJECT, &file)?;
+        return Ok(LuaImage::of(output::read_exr(&file)?));
+    }
+    let bytes_a_pixel = size_of::<f32>() * WavelengthGrid::Step5.bands();
+    let picture = color_picture(lua, OBJECT, &path, bytes_a_pixel)?;
+    let white_cd_m2 = given.luminance.or(picture.cd_m2_of_one);
+    let photometry = white_cd_m2.map_or(Photometry::Relative, |_| Photometry::Absolute);
+    let factor = white_cd_m2.unwrap_or(1.0);
+    let colors = picture.colors().map(|color| color * factor);
+    let (mut image, paled) =
+        SpectralImage::from_colors(picture.width, picture.height, colors, photometry);
+    warn_of_paled(&host, &path, paled);
+    if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
+        host.warn(format!("{path}: has colors and no bands: smooth spectra stand for them"));
+    }
+    image
+        .metadata
+        .insert("colors".to_owned(), "spectra were made from a picture's colors".to_owned());
+    Ok(LuaImage::of(image))
+}
+
+/// A picture of colors, once there is room for it and `bytes_a_pixel` of what is made of it.
+pub(super) fn color_picture(
+    lua: &Lua,
+    object: &str,
+    path: &str,
+    bytes_a_pixel: usize,
+) -> mlua::Result<ColorPicture> {
+    /// Digits of 16 bits and floats, as they are decoded.
+    const DECODED: usize = 3 * (size_of::<u16>() + size_of::<f32>());
+    let file = host::of(lua)?.input(path)?;
+    host::reserve_for_file(lua, object, &file)?;
+    if let Some([width, height]) = output::declared_size(&file)? {
+        let bytes = width.saturating_mul(height).saturating_mul(DECODED + bytes_a_pixel);
+        host::reserve(lua, object, bytes, "a smaller picture")?;
+    }
+    Ok(output::read_color_picture(&file)?)
+}
+
+pub(super) fn warn_of_paled(host: &Host, path: &str, share: f64) {
+    if share > 0.0 {
+        let percent = 100.0 * share;
+        host.warn(format!("{path}: {percent:.2} % of the pixels lie outside of P3, and are paled"));
+    }
 }
 
 /// `{ { a, 0.3 }, b, … }`: an image alone has the weight 1.

@@ -1,15 +1,14 @@
-//! Pictures of colors, read for surroundings: EXR, Radiance, JPEG and TIFF, told apart by content.
+//! Pictures of colors, read for surroundings and comparison: EXR, Radiance, PNG, JPEG and TIFF, told
+//! apart by content.
 
-use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use ::exr::prelude::{AnyChannels, FlatSamples, ReadChannels, ReadLayers, read as read_exr};
-use ::image::{DynamicImage, ImageReader};
 use glam::{DMat3, DVec3};
 
-use super::radiance;
-use crate::color::{D65_XY, REC709_XY, Xyz, srgb_decode, xyz_from_primaries};
+use super::{digits, radiance};
+use crate::color::{D65_XY, REC709_XY, Xyz, xyz_from_primaries};
 use crate::error::{Error, Place, Result};
 use crate::input;
 
@@ -33,6 +32,8 @@ pub struct ColorPicture {
 pub enum Primaries {
     /// Chromaticities of red, green and blue, and of their white.
     Rgb([[f64; 2]; 3], [f64; 2]),
+    /// What leads from them to XYZ, Y of (1, 1, 1) being 1.
+    Matrix(DMat3),
     /// CIE 1931 X, Y and Z.
     Xyz,
 }
@@ -42,6 +43,7 @@ impl ColorPicture {
     pub fn colors(&self) -> impl Iterator<Item = Xyz> + Clone {
         let xyz_from_rgb = match self.primaries {
             Primaries::Rgb(primaries, white) => xyz_from_primaries(primaries, white),
+            Primaries::Matrix(matrix) => matrix,
             Primaries::Xyz => DMat3::IDENTITY,
         };
         let color = move |pixel: &[f32; 3]| {
@@ -51,22 +53,22 @@ impl ColorPicture {
     }
 }
 
-/// Reads an EXR picture with channels R, G, B, or X, Y, Z, or Y alone, a Radiance one, or a JPEG or
-/// TIFF one: digits are sRGB's, and floats linear.
+/// Reads an EXR picture with channels R, G, B, or X, Y, Z, or Y alone, a Radiance one, or a PNG, JPEG
+/// or TIFF one: digits are what its profile says, else sRGB's, and floats linear.
 ///
 /// Errors: [`Error::Io`]; [`Error::BadFile`] for other files, and for pixels that are not finite.
 pub fn read_color_picture(path: &Path) -> Result<ColorPicture> {
-    const EXR: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
     let mut file = BufReader::new(input::open(path)?);
     let start = file.fill_buf().map_err(|e| Error::io(path, e))?;
-    let picture = if start.starts_with(EXR) {
+    let picture = if start.starts_with(super::exr::EXR_MAGIC) {
         exr_picture(path)?
     } else if radiance::MAGIC.iter().any(|magic| start.starts_with(magic)) {
         radiance::read(path, file)?
-    } else if DIGITS.iter().any(|magic| start.starts_with(magic)) {
-        digits(path, file)?
+    } else if digits::is_of_digits(start) {
+        digits::read(path, file)?
     } else {
-        let problem = "no OpenEXR, Radiance, JPEG or TIFF picture (.exr, .hdr, .jpg, .tif)";
+        let problem =
+            "no OpenEXR, Radiance, PNG, JPEG or TIFF picture (.exr, .hdr, .png, .jpg, .tif)";
         return Err(Error::bad_file(path, Place::File, problem));
     };
     match picture.pixels.iter().position(|pixel| pixel.iter().any(|v| !v.is_finite())) {
@@ -79,23 +81,14 @@ pub fn read_color_picture(path: &Path) -> Result<ColorPicture> {
     }
 }
 
-/// How JPEG and TIFF files begin.
-const DIGITS: [&[u8]; 3] = [&[0xff, 0xd8, 0xff], b"II*\0", b"MM\0*"];
-
-/// A picture for a display: all of its light lies between black and white.
-fn digits(path: &Path, file: BufReader<File>) -> Result<ColorPicture> {
-    let broken = |e: ::image::ImageError| {
-        Error::bad_file(path, Place::File, format!("not a readable picture: {e}"))
-    };
-    // The reader bounds what a header may ask of memory.
-    let reader = ImageReader::new(file).with_guessed_format().map_err(|e| Error::io(path, e))?;
-    let read = reader.decode().map_err(broken)?;
-    let is_linear = matches!(read, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
-    let light = |v: f32| if is_linear { v } else { srgb_decode(f64::from(v)) as f32 };
-    let (width, height) = (read.width() as usize, read.height() as usize);
-    let pixels = read.into_rgb32f().pixels().map(|pixel| pixel.0.map(light)).collect();
-    let primaries = Primaries::Rgb(REC709_XY, D65_XY);
-    Ok(ColorPicture { width, height, pixels, primaries, cd_m2_of_one: None })
+/// Columns and rows of a picture that [`read_color_picture`] reads, where a small file may declare a
+/// large one; else none.
+///
+/// Errors: as [`read_color_picture`].
+pub fn declared_size(path: &Path) -> Result<Option<[usize; 2]>> {
+    let mut file = BufReader::new(input::open(path)?);
+    let start = file.fill_buf().map_err(|e| Error::io(path, e))?;
+    digits::is_of_digits(start).then(|| digits::size(path, file)).transpose()
 }
 
 fn exr_picture(path: &Path) -> Result<ColorPicture> {
