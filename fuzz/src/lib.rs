@@ -7,6 +7,7 @@ use std::path::Path;
 use lampyris::columns::{TableChoice, Table};
 use lampyris::display;
 use lampyris::geometry::import::{self, MeshReading};
+use lampyris::output;
 use lampyris::source::{photometric, rayfile};
 
 pub fn read(bytes: &[u8]) {
@@ -66,3 +67,24 @@ pub fn read_profile(data: &[u8]) {
 
 /// What stands before the numbers of an EULUMDAT file.
 pub const LDT_START: &[u8] = b"maker\n1\n0\n";
+
+/// How pictures begin.
+const PICTURES: [&[u8]; 6] = [
+    b"\x89PNG\r\n\x1a\n",
+    &[0xff, 0xd8, 0xff],
+    b"II*\0",
+    b"MM\0*",
+    b"#?RADIANCE\n",
+    &[0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0],
+];
+
+/// A picture of the kind that the first byte names. Its readers take files.
+pub fn read_picture(data: &[u8]) {
+    let [kind, data @ ..] = data else { return };
+    let name = format!("lampyris-fuzz-{}", std::process::id());
+    let path = std::env::temp_dir().join(name);
+    if std::fs::write(&path, [PICTURES[usize::from(*kind) % PICTURES.len()], data].concat()).is_err() {
+        return;
+    }
+    let _ = (output::declared_size(&path), output::read_color_picture(&path), output::read_exr(&path));
+}

@@ -237,6 +237,30 @@ fn inputs_that_change_are_noticed() {
     assert!(message.ends_with(problem), "{message}");
 }
 
+/// The buffers of a glTF file are read with it.
+#[test]
+fn files_beside_an_input_that_change_are_noticed() {
+    const TRIANGLE: &str = r#"{ "asset": { "version": "2.0" }, "scene": 0, "scenes": [{ "nodes": [0] }],
+        "nodes": [{ "mesh": 0 }], "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+        "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+            "min": [0, 0, 0], "max": [1, 1, 0] }],
+        "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+        "buffers": [{ "uri": "t.bin", "byteLength": 36 }] }"#;
+    let bench = Bench::new();
+    bench.write("part/t.gltf", TRIANGLE);
+    let corners: Vec<u8> =
+        [0f32, 0., 0., 1., 0., 0., 0., 1., 0.].iter().flat_map(|v| v.to_le_bytes()).collect();
+    std::fs::write(bench.path("part/t.bin"), corners).expect("a written file");
+    let script = "local mesh = L.mesh.load('part/t.gltf', { unit = 'mm' })
+        assert(mesh.area == 0.5)
+        local start = os.clock() while os.clock() < start + 0.05 do end
+        L.write('part/t.bin', ('x'):rep(36))
+        L.sweep { scene = scene, views = { view }, output = 's' }";
+    let message = message_of(&bench, script, &["--out", "."]);
+    let problem = "input: part/t.bin has changed since it was read: run the script again\n";
+    assert!(message.ends_with(problem), "{message}");
+}
+
 #[test]
 fn views_do_not_write_each_others_files() {
     let bench = Bench::new();

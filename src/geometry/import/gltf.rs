@@ -97,12 +97,32 @@ fn buffers(gltf: &Gltf, folder: &Path) -> MeshResult<Vec<Vec<u8>>> {
         .collect()
 }
 
-fn from_file(uri: &str, folder: &Path) -> MeshResult<Vec<u8>> {
+/// Whether a file with this beginning is one.
+pub(super) fn is_gltf(start: &[u8]) -> bool {
+    start.starts_with(b"glTF") || start.trim_ascii_start().starts_with(b"{")
+}
+
+/// Names of the files below its own folder that hold its buffers; none of a broken file.
+pub(super) fn buffer_files(bytes: &[u8]) -> Vec<String> {
+    let Ok(gltf) = document(bytes) else { return Vec::new() };
+    let file = |buffer: buffer::Buffer| match buffer.source() {
+        buffer::Source::Uri(uri) if !uri.starts_with("data:") => file_name(uri),
+        _ => None,
+    };
+    gltf.buffers().filter_map(file).collect()
+}
+
+/// The name that a URI stands for; none of what lies elsewhere.
+fn file_name(uri: &str) -> Option<String> {
     let name = uri.replace("%20", " ");
     let is_below = Path::new(&name).components().all(|part| matches!(part, Component::Normal(_)));
-    if !is_below || name.contains(':') {
+    (is_below && !name.contains(':')).then_some(name)
+}
+
+fn from_file(uri: &str, folder: &Path) -> MeshResult<Vec<u8>> {
+    let Some(name) = file_name(uri) else {
         return Err(MeshFault::file(format!("buffer \"{uri}\" lies outside of the file's folder")));
-    }
+    };
     input::bytes(&folder.join(&name))
         .map_err(|error| MeshFault::file(format!("buffer \"{uri}\" cannot be read: {error}")))
 }

@@ -180,6 +180,18 @@ pub fn load(path: &Path, reading: &MeshReading) -> Result<MeshFile> {
     from_bytes(path, input::bytes(path)?, reading)
 }
 
+/// Names of the files beside a mesh, relative to its folder, that [`load`] reads with it: the buffers
+/// of a glTF file.
+///
+/// Errors: [`Error::Io`].
+pub fn companions(path: &Path) -> Result<Vec<String>> {
+    const START: u64 = 4096;
+    if gltf::is_gltf(&input::head(path, START)?) {
+        return Ok(gltf::buffer_files(&input::bytes(path)?));
+    }
+    Ok(Vec::new())
+}
+
 /// As [`load`], of a file's bytes; buffers beside a glTF file are looked for beside `path`.
 pub fn from_bytes(path: &Path, bytes: Vec<u8>, reading: &MeshReading) -> Result<MeshFile> {
     parse(path, bytes, reading).map_err(|fault| Error::bad_file(path, fault.place, fault.problem))
@@ -221,7 +233,7 @@ fn contents(path: &Path, bytes: Vec<u8>) -> MeshResult<Contents> {
         return ply::parse(&bytes);
     }
     let first = bytes.trim_ascii_start();
-    if bytes.starts_with(b"glTF") || first.starts_with(b"{") {
+    if gltf::is_gltf(&bytes) {
         return gltf::parse(&bytes, path.parent().unwrap_or(Path::new("")));
     }
     if stl::is_binary(&bytes) {

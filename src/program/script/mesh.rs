@@ -1,5 +1,6 @@
 //! `lampyris.mesh`.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use glam::DQuat;
@@ -105,6 +106,15 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaMesh> {
     let has_unit = options.unit.is_some();
     let found = host.input(&path)?;
     host::reserve_for_file(lua, "mesh.load", &found)?;
+    for companion in import::companions(&found)? {
+        // What is missing is told by the reader.
+        let beside = found.with_file_name(&companion);
+        if beside.exists() {
+            let name = Path::new(&path).with_file_name(&companion);
+            host.note_input(&name.to_string_lossy(), &beside)?;
+            host::reserve_for_file(lua, "mesh.load", &beside)?;
+        }
+    }
     let file = import::load(&found, &options.reading())?;
     let unit = file.unit_warning().filter(|_| !has_unit);
     let warnings = file.warnings.iter().cloned().chain(unit);
