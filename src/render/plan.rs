@@ -104,9 +104,12 @@ pub(super) struct Outlook {
 }
 
 impl Film {
-    /// Every pixel's first samples; no more than `most`, but for two.
+    /// Every pixel's first samples; no more than `most`, but for two. Few pixels have more of them:
+    /// their estimates scatter less by number.
     pub fn plan_first(&mut self, target: f64, most: u32) {
-        let mut planned = first_samples(target);
+        const ALL: usize = 4096;
+        let of_few = (ALL / self.pixels.len().max(1)).clamp(1, 16) as u32;
+        let mut planned = first_samples(target).max(of_few.next_power_of_two());
         while planned > most.max(2) {
             planned /= 2;
         }
