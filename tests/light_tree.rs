@@ -429,6 +429,7 @@ fn estimates_hold_for_half_lobes() {
     check_half("two clouds, all", &two_clouds(10_000), DVec3::ZERO, 400.0, 28);
     check_half("one point", &one_point(10_000), DVec3::new(0.3, -0.2, 0.1), 1.0, 28);
     check_half("plate", &plate(10_000), DVec3::new(1.5, 1.5, 0.0), 3.0, 56);
+    check_half("beam", &beam(10_000), DVec3::ZERO, 12.0, 700);
     check_half("one sample", &ball(1, 1.0), DVec3::ZERO, 1.0, 7);
 }
 
@@ -461,7 +462,8 @@ fn estimates_hold_for_samples_in_one_point() {
 #[test]
 fn estimates_hold_for_a_plate_and_a_beam() {
     check("plate", &plate(10_000), DVec3::new(1.5, 1.5, 0.0), 3.0, 56);
-    check("beam", &beam(10_000), DVec3::ZERO, 12.0, 56);
+    // Few of the hits within the beam's sphere are of those that only samples turned toward them light.
+    check("beam", &beam(10_000), DVec3::ZERO, 12.0, 350);
 }
 
 #[test]

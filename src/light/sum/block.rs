@@ -32,6 +32,12 @@ pub(crate) struct SampleGroup {
 impl SampleGroup {
     pub const EMPTY: SampleGroup =
         SampleGroup { offset: [[0.0; LANES]; 3], flux: [[0.0; LANES]; 3] };
+
+    /// Directions times flux of the samples.
+    pub fn fluxes(&self) -> impl Iterator<Item = DVec3> + '_ {
+        let lane = |i: usize| DVec3::from([0, 1, 2].map(|axis| f64::from(self.flux[axis][i])));
+        (0..LANES).map(lane).filter(|flux| *flux != DVec3::ZERO)
+    }
 }
 
 /// Neighboring samples, at most [`BLOCK_CAPACITY`].

@@ -24,7 +24,7 @@ const KEPT: f64 = 0.9;
 
 /// The bound within which all nodes' errors add up as if they had one sign. A smaller `light_error`
 /// asks so much only of nodes that are not [`Leaf::is_smooth`]; the others' errors, what a series or
-/// an interpolation leaves out of either sign, add up as independent ones.
+/// an interpolation leaves out of either sign, add up as independent ones. Those of beams never do.
 const LINEAR: f64 = 0.01;
 
 /// An estimate of independent errors covers this many standard deviations, were each node's error
@@ -101,7 +101,7 @@ impl Descent<'_> {
             self.doubt_borders(state);
         }
         let (value, error) = (state.value(), state.error());
-        let bound = self.light_error.max(LINEAR);
+        let bound = self.light_error.max(self.linear_from());
         let least = (value - error).max(self.dark_sum());
         if error > bound * least {
             // In the first rounds `value − error` says little; the value itself is the better guess.
@@ -109,7 +109,7 @@ impl Descent<'_> {
             return Some([state.threshold(KEPT * budget, |leaf| f64::from(leaf.error)); 2]);
         }
         let budget = self.light_error * least;
-        if self.light_error >= LINEAR || self.estimate(state) <= budget {
+        if self.light_error >= self.linear_from() || self.estimate(state) <= budget {
             return None;
         }
         let (smooth, other) = state.parted_errors();
@@ -128,10 +128,15 @@ impl Descent<'_> {
         any.then(|| thresholds.map(|threshold| threshold.unwrap_or(f64::INFINITY)))
     }
 
+    /// The smallest `light_error` for which all errors add up as if they had one sign.
+    fn linear_from(&self) -> f64 {
+        if self.levels.has_beams { 0.0 } else { LINEAR }
+    }
+
     /// Of the error that nodes have together.
     fn estimate(&self, state: &DescentState) -> f64 {
         let together = state.error();
-        if self.light_error >= LINEAR {
+        if self.light_error >= self.linear_from() {
             return together;
         }
         let (smooth, other) = state.parted_errors();

@@ -10,7 +10,7 @@
 //! the samples lie as H sees them: at most 1/D as far apart, plus what bends H's way.
 
 use super::eight::{Eight, Vectors, dot, dot_one, scaled, turned, vectors};
-use super::lobe::{Angle, Bounds, Falling, HORIZON, INWARD, LobeSums, NEGLIGIBLE};
+use super::lobe::{Angle, Bounds, Falling, HORIZON, INWARD, LobeSums};
 use super::node::Cloud;
 use crate::light::sum::power::Power;
 
@@ -84,7 +84,7 @@ impl HalfCloud {
         let pure = 2.0 * k + 1.5;
         let falling = Falling { mixed: pure + 1.5 * BENDING, pure };
         let Some(bounds) = Bounds::new(&self.cloud, &self.angle, n, falling) else {
-            sums.error = sums.error + Eight::splat(lobe.weight * NEGLIGIBLE);
+            sums.add_negligible(lobe.weight);
             return;
         };
         let Bounds { largest, at_mean, smooth } = bounds;
@@ -93,6 +93,7 @@ impl HalfCloud {
         let value = (at_mean * (second + 1.0)).at_least(0.0).smaller(largest);
         sums.value = sums.value + value * lobe.weight;
         sums.error = sums.error + straddles(largest, smooth) * lobe.weight;
+        sums.largest = sums.largest + largest * lobe.weight;
         sums.at_mean = sums.at_mean + at_mean * lobe.weight;
         let tan = self.angle.farther_tan2(self.cloud.chord * INWARD).rough_sqrt();
         sums.slope = sums.slope + at_mean * (tan * self.inverse_sum * n + k) * lobe.weight;

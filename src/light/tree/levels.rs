@@ -78,6 +78,8 @@ pub(super) struct Levels {
     pub radius: f64,
     /// Σ flux.
     pub flux: f64,
+    /// Whether any node is a beam, see [`TableError::is_beam`].
+    pub has_beams: bool,
 }
 
 impl Levels {
@@ -91,11 +93,12 @@ impl Levels {
         let first = if depth.is_multiple_of(3) { 3 } else { depth % 3 };
         let depths = (first..=depth).step_by(3).filter(|bits| 1usize << bits <= MOST_NODES);
         let mut levels = Vec::new();
-        let mut cells = None;
+        let (mut cells, mut has_beams) = (None, false);
         for bits in depths.collect::<Vec<u32>>().into_iter().rev() {
             let size = LevelSize { nodes: 1 << bits, blocks_per_node: blocks.blocks.len() >> bits };
             let built = BuiltOctet::all(blocks, size, cells.as_deref());
             levels.push(Level::new(&built, size, center));
+            has_beams |= built.iter().flat_map(|octet| &octet.errors).any(|error| error.is_beam);
             cells = Some(built.into_iter().map(|octet| octet.parent).collect::<Vec<NodeTable>>());
         }
         levels.reverse();
@@ -103,7 +106,7 @@ impl Levels {
             levels.first()?.octets.iter().flat_map(|octet| octet.flux.0).map(f64::from).sum();
         let reach = |block: &Block| block.center.distance(center) + block.radius;
         let radius = blocks.blocks.iter().map(reach).fold(0.0, f64::max);
-        Some(Levels { levels, center, radius, flux })
+        Some(Levels { levels, center, radius, flux, has_beams })
     }
 
     pub fn memory_bytes(&self) -> usize {

@@ -38,6 +38,8 @@ pub(super) struct LobeSums {
     pub value: Eight,
     /// Error of `value`.
     pub error: Eight,
+    /// The most that they are anywhere in the cone of the samples.
+    pub largest: Eight,
     /// Without any order above 0.
     pub at_mean: Eight,
     /// |∇G| times the distance.
@@ -50,10 +52,18 @@ impl LobeSums {
     const ZERO: LobeSums = LobeSums {
         value: Eight::ZERO,
         error: Eight::ZERO,
+        largest: Eight::ZERO,
         at_mean: Eight::ZERO,
         slope: Eight::ZERO,
         swing: Eight::ZERO,
     };
+
+    #[inline(always)]
+    pub fn add_negligible(&mut self, weight: f32) {
+        let most = Eight::splat(weight * NEGLIGIBLE);
+        self.error = self.error + most;
+        self.largest = self.largest + most;
+    }
 }
 
 /// Of the diffuse lobe, and of specular ones about the query's axis.
@@ -108,7 +118,7 @@ fn add_lobe(
     let n = lobe.exponent;
     let angle = Angle::new(&cloud.direction, axis);
     let Some(bounds) = Bounds::new(cloud, &angle, n, Falling { mixed: k, pure: k }) else {
-        sums.error = sums.error + Eight::splat(lobe.weight * NEGLIGIBLE);
+        sums.add_negligible(lobe.weight);
         return;
     };
     let Bounds { largest, at_mean, smooth } = bounds;
@@ -117,6 +127,7 @@ fn add_lobe(
     let value = (at_mean * (second + 1.0)).at_least(0.0).smaller(largest);
     sums.value = sums.value + value * lobe.weight;
     sums.error = sums.error + error * lobe.weight;
+    sums.largest = sums.largest + largest * lobe.weight;
     sums.at_mean = sums.at_mean + at_mean * lobe.weight;
     let tan = angle.farther_tan2(cloud.chord * INWARD).rough_sqrt();
     sums.slope = sums.slope + at_mean * (tan * n + k) * lobe.weight;

@@ -315,8 +315,13 @@ fn total_error(
     let parallax = (parallax2 * octet.flux).rough_sqrt();
     let correlated = (parallax2 * emission.total).rough_sqrt();
     let spacing = 4.0 / grid.cells as f32; // rad, the longest edges
+    let turned = parallax2 * 3.0 + parallax * (0.25 * spacing);
+    // Where τ turns toward the hit some part of what the table knows of, or all of it, neither the
+    // mean place nor the moments say where that lies.
+    let anywhere = (emission.total * 0.03).below(turned, turned * lobes.largest, Eight::ZERO);
     emission.total * lobes.error
         + emission.uncertainty * (lobes.at_mean + lobes.swing)
         + correlated * lobes.swing * 1.5
-        + (parallax2 * 3.0 + parallax * (0.25 * spacing)) * (lobes.at_mean + lobes.swing)
+        + turned * (lobes.at_mean + lobes.swing)
+        + anywhere
 }
