@@ -328,6 +328,7 @@ fn hits(light: DVec3, size: f64, n_s: f64, random: &mut Random, count: usize) ->
 
 /// Largest ratio of true to estimated error, after checking each hit.
 fn check(name: &str, set: &RaySet, light: DVec3, size: f64, count: usize) -> f64 {
+    let count = count * effort();
     let mut random = Random(11);
     let mut all = Vec::new();
     for n_s in [20.0, 1500.0, 1e6] {
@@ -341,8 +342,14 @@ fn check(name: &str, set: &RaySet, light: DVec3, size: f64, count: usize) -> f64
     check_all(name, set, (light, size), &all)
 }
 
+/// How many times as many random hits are tried, by the environment.
+fn effort() -> usize {
+    std::env::var("LAMPYRIS_HITS").ok().and_then(|text| text.parse().ok()).unwrap_or(1)
+}
+
 /// The same for half-vector lobes, with hits that the light grazes.
 fn check_half(name: &str, set: &RaySet, light: DVec3, size: f64, count: usize) -> f64 {
+    let count = count * effort();
     let mut random = Random(20);
     let mut all = Vec::new();
     for (i, n_s) in [1.0, 20.0, 1500.0, 1e6].into_iter().enumerate() {
