@@ -65,16 +65,10 @@ macro_rules! widest {
             fn with_avx512($($argument: $type),*) $(-> $result)? {
                 $kernel($($argument),*)
             }
-            #[target_feature(enable = "avx2")]
-            fn with_avx2($($argument: $type),*) $(-> $result)? {
-                $kernel($($argument),*)
-            }
             match $crate::simd::Simd::widest() {
                 // SAFETY: `widest` names a set only where the processor has its features.
                 $crate::simd::Simd::Avx512 => unsafe { with_avx512($($argument),*) },
-                // SAFETY: as above.
-                $crate::simd::Simd::Avx2 => unsafe { with_avx2($($argument),*) },
-                $crate::simd::Simd::Portable => $kernel($($argument),*),
+                _ => $crate::simd::eight_wide!($kernel($($argument: $type),*) $(-> $result)?),
             }
         }
         #[cfg(not(target_arch = "x86_64"))]
@@ -82,6 +76,27 @@ macro_rules! widest {
     }};
 }
 pub(crate) use widest;
+
+/// As [`widest`], of a kernel of eight lanes, which AVX-512 has no use for.
+macro_rules! eight_wide {
+    ($kernel:ident($($argument:ident: $type:ty),*) $(-> $result:ty)?) => {{
+        #[cfg(target_arch = "x86_64")]
+        {
+            #[target_feature(enable = "avx2")]
+            fn with_avx2($($argument: $type),*) $(-> $result)? {
+                $kernel($($argument),*)
+            }
+            match $crate::simd::Simd::widest() {
+                $crate::simd::Simd::Portable => $kernel($($argument),*),
+                // SAFETY: all wider sets have AVX2, too.
+                _ => unsafe { with_avx2($($argument),*) },
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        $kernel($($argument),*)
+    }};
+}
+pub(crate) use eight_wide;
 
 #[cfg(test)]
 pub(crate) mod test {

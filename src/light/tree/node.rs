@@ -24,7 +24,7 @@ use super::moments::{
 };
 use super::octahedron::OctahedronGrid;
 use crate::light::sum::power::Power;
-use crate::simd::widest;
+use crate::simd::eight_wide;
 
 /// One side of a hit, relative to the tree's center.
 #[derive(Debug, Clone, Copy)]
@@ -67,9 +67,9 @@ pub(super) fn eval_octet(
     query: &NodeQuery,
 ) -> NodeSums {
     if query.half.is_some() {
-        return widest!(of_half_lobes(octet: &Octet, table: (OctahedronGrid, &[Channels]), query: &NodeQuery) -> NodeSums);
+        return eight_wide!(of_half_lobes(octet: &Octet, table: (OctahedronGrid, &[Channels]), query: &NodeQuery) -> NodeSums);
     }
-    widest!(of_lobes(octet: &Octet, table: (OctahedronGrid, &[Channels]), query: &NodeQuery) -> NodeSums)
+    eight_wide!(of_lobes(octet: &Octet, table: (OctahedronGrid, &[Channels]), query: &NodeQuery) -> NodeSums)
 }
 
 #[inline(always)]
