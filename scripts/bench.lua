@@ -1,6 +1,6 @@
 -- The benchmark scenes: the views of models 1 to 4 at the default quality.
 --
---   lampyris run scripts/bench.lua [-- SAMPLES]      a million light samples a bulb, or as many
+--   lampyris run scripts/bench.lua [-- SAMPLES [WIDTH]]      a million light samples a bulb, or as many
 --
 -- Prints three tables in Markdown. The first: what is rendered, seconds by stage, and how many rays
 -- and light sums a second that took; rays are those of the camera, of mirrors, of lenses and to
@@ -12,7 +12,7 @@ local lampyris = require "lampyris"
 local model = require "model"
 local paper = require "paper"
 
-local width = paper.size(640, 16)
+local width = tonumber(arg[2]) or paper.size(640, 16)
 local samples = 4
 local light_samples = tonumber(arg[1]) or paper.size(1000000, 400)
 local hits = paper.size(3000, 20)

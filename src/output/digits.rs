@@ -40,7 +40,7 @@ pub(super) fn read(path: &Path, file: impl BufRead + Seek) -> Result<ColorPictur
     let mut image = DynamicImage::from_decoder(decoder).map_err(|e| broken(path, &e))?;
     image.apply_orientation(upright);
     let display = match profile {
-        Some(profile) => display_from_profile(path, &profile, Some(1.0))?.display,
+        Some(profile) => display_of(path, &profile)?,
         None => png_colors(path)?.unwrap_or_else(Display::srgb),
     };
     let [width, height] = [image.width() as usize, image.height() as usize];
@@ -51,6 +51,14 @@ pub(super) fn read(path: &Path, file: impl BufRead + Seek) -> Result<ColorPictur
         primaries: Primaries::Matrix(display.matrix() * display.white().y.recip()),
         pixels: light(image, &display),
         cd_m2_of_one: is_absolute.then_some(PQ_MAX_CD_M2),
+    })
+}
+
+fn display_of(path: &Path, profile: &[u8]) -> Result<Display> {
+    display_from_profile(path, profile, Some(1.0)).map(|known| known.display).map_err(|error| {
+        let Error::BadFile { problem, .. } = error else { return error };
+        let problem = format!("has {problem}: convert the picture to sRGB");
+        Error::bad_file(path, Place::File, problem)
     })
 }
 
@@ -103,16 +111,15 @@ fn png_colors(path: &Path) -> Result<Option<Display>> {
         };
     }
     match info.gama_chunk {
-        Some(gamma) if info.srgb.is_none() => of_gamma(gamma.into_value(), info.chrm_chunk),
+        Some(gamma) if info.srgb.is_none() => of_gamma(gamma.into_value(), info.chrm_chunk)
+            .map(Some)
+            .map_err(|error| bad(format!("has no colors in gAMA and cHRM: {error}"))),
         _ => Ok(None),
     }
 }
 
 /// A display whose signals are light to the power `gamma`: PNG's gAMA and cHRM chunks.
-fn of_gamma(
-    gamma: f32,
-    chromaticities: Option<::png::SourceChromaticities>,
-) -> Result<Option<Display>> {
+fn of_gamma(gamma: f32, chromaticities: Option<::png::SourceChromaticities>) -> Result<Display> {
     /// What sRGB's curve is near to, with which writers mean it.
     const SRGB: f32 = 1.0 / 2.2;
     let xy = |(x, y): (::png::ScaledFloat, ::png::ScaledFloat)| {
@@ -133,7 +140,7 @@ fn of_gamma(
         black: Xyz::default(),
         bits: 16,
     };
-    Display::new(parameters).map(Some)
+    Display::new(parameters)
 }
 
 #[cfg(test)]
@@ -222,6 +229,25 @@ mod tests {
             info.source_gamma = Some(::png::ScaledFloat::new(1.0));
         };
         near(second(png(linear, &[0, 51])), [0.2; 3]);
+        let one_color = |info: &mut ::png::Info| {
+            let same = (0.3, 0.3);
+            linear(info);
+            info.source_chromaticities =
+                Some(::png::SourceChromaticities::new(same, same, same, same));
+        };
+        let message = |bytes: Vec<u8>| {
+            std::fs::write(&path, bytes).unwrap();
+            read_color_picture(&path).unwrap_err().to_string()
+        };
+        let refused = message(png(one_color, &[0, 51]));
+        assert!(refused.contains("i.png: has no colors in gAMA and cHRM"), "{refused}");
+        let profile = moxcms::ColorProfile::new_gray_with_gamma(2.2).encode().unwrap();
+        let of_gray = |info: &mut ::png::Info| {
+            gray(info);
+            info.icc_profile = Some(profile.clone().into());
+        };
+        let refused = message(png(of_gray, &[0, 51]));
+        assert!(refused.contains("convert the picture to sRGB"), "{refused}");
         // Code points that nobody here knows, as BT.709's curve.
         let mut bytes = png(gray, &[0, 188]);
         let chunk = [&b"cICP"[..], &[1, 1, 0, 1]].concat();
@@ -229,9 +255,8 @@ mod tests {
         let mut inserted = [&4u32.to_be_bytes()[..], &chunk].concat();
         inserted.append(&mut crc);
         bytes.splice(33..33, inserted);
-        std::fs::write(&path, bytes).unwrap();
-        let message = read_color_picture(&path).unwrap_err().to_string();
-        assert!(message.contains("code points 1 and 1"), "{message}");
+        let refused = message(bytes);
+        assert!(refused.contains("code points 1 and 1"), "{refused}");
     }
 
     /// PNG's check of a chunk. Source: PNG, annex D.

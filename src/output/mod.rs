@@ -24,7 +24,7 @@ pub use base64::base64;
 pub use color_picture::{ColorPicture, Primaries, declared_size, read_color_picture};
 pub use exchange::{write_float_tiff, write_jpeg, write_tiff};
 pub use exr::{
-    ExrBands, ExrInfo, is_spectral_exr, read_exr, read_exr_info, write_exr, write_exr_as,
+    ExrBands, ExrInfo, exr_band_count, read_exr, read_exr_info, write_exr, write_exr_as,
 };
 pub use hdr::{HdrColors, write_hdr};
 pub use png::{

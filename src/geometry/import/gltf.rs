@@ -114,9 +114,24 @@ pub(super) fn buffer_files(bytes: &[u8]) -> Vec<String> {
 
 /// The name that a URI stands for; none of what lies elsewhere.
 fn file_name(uri: &str) -> Option<String> {
-    let name = uri.replace("%20", " ");
+    // Some writers escape nothing.
+    let name = without_escapes(uri).unwrap_or_else(|| uri.to_owned());
     let is_below = Path::new(&name).components().all(|part| matches!(part, Component::Normal(_)));
     (is_below && !name.contains(':')).then_some(name)
+}
+
+/// A URI with the bytes that its `%20` and the like stand for; none if one stands for nothing, or they
+/// are no UTF-8.
+fn without_escapes(uri: &str) -> Option<String> {
+    let mut parts = uri.split('%');
+    let mut bytes = parts.next()?.as_bytes().to_vec();
+    for part in parts {
+        let (digits, rest) = part.split_at_checked(2)?;
+        let is_hex = digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+        bytes.push(u8::from_str_radix(digits, 16).ok().filter(|_| is_hex)?);
+        bytes.extend(rest.as_bytes());
+    }
+    String::from_utf8(bytes).ok()
 }
 
 fn from_file(uri: &str, folder: &Path) -> MeshResult<Vec<u8>> {
@@ -321,5 +336,20 @@ impl Import<'_> {
             return Err(outside());
         }
         Ok((0..accessor.count()).map(move |k| &bytes[k * stride..k * stride + size]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::file_name;
+
+    #[test]
+    fn names_of_buffers_stay_below_the_folder() {
+        let names = ["a%20b.bin", "sub/a.bin", "%EB%A0%8C%EC%A6%88.bin"];
+        assert_eq!(names.map(|uri| file_name(uri).unwrap()), ["a b.bin", "sub/a.bin", "렌즈.bin"]);
+        let as_they_are = ["a b.bin", "a%2", "100%.bin", "a%+f", "%ff", "a%é"];
+        assert_eq!(as_they_are.map(|uri| file_name(uri).unwrap()), as_they_are);
+        let elsewhere = ["../a.bin", "%2e%2e/a.bin", "/a.bin", "https://a/b.bin"];
+        assert!(elsewhere.iter().all(|uri| file_name(uri).is_none()));
     }
 }

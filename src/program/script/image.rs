@@ -77,7 +77,8 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaImage> {
     let given: ImageLoadOptions = arguments.record()?;
     let host = host::of(lua)?;
     let file = host.input(&path)?;
-    if output::is_spectral_exr(&file)? {
+    let exr_bands = output::exr_band_count(&file)?;
+    if exr_bands.is_some_and(|bands| bands > 0) {
         if given.luminance.is_some() {
             let problem = "\"luminance\" is for pictures of colors, and this file holds spectra";
             return Err(Error::inconsistent(OBJECT, problem).into());
@@ -85,8 +86,10 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaImage> {
         host::reserve_for_file(lua, OBJECT, &file)?;
         return Ok(LuaImage::of(output::read_exr(&file)?));
     }
-    let bytes_a_pixel = size_of::<f32>() * WavelengthGrid::Step5.bands();
-    let picture = color_picture(lua, OBJECT, &path, bytes_a_pixel)?;
+    let picture = color_picture(lua, OBJECT, &path)?;
+    let bytes =
+        picture.pixels.len().saturating_mul(size_of::<f32>() * WavelengthGrid::Step5.bands());
+    host::reserve(lua, OBJECT, bytes, "a smaller picture")?;
     let white_cd_m2 = given.luminance.or(picture.cd_m2_of_one);
     let photometry = white_cd_m2.map_or(Photometry::Relative, |_| Photometry::Absolute);
     let factor = white_cd_m2.unwrap_or(1.0);
@@ -94,7 +97,7 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaImage> {
     let (mut image, paled) =
         SpectralImage::from_colors(picture.width, picture.height, colors, photometry);
     warn_of_paled(&host, &path, paled);
-    if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("exr")) {
+    if exr_bands.is_some() {
         host.warn(format!("{path}: has colors and no bands: smooth spectra stand for them"));
     }
     image
@@ -103,19 +106,14 @@ fn load(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaImage> {
     Ok(LuaImage::of(image))
 }
 
-/// A picture of colors, once there is room for it and `bytes_a_pixel` of what is made of it.
-pub(super) fn color_picture(
-    lua: &Lua,
-    object: &str,
-    path: &str,
-    bytes_a_pixel: usize,
-) -> mlua::Result<ColorPicture> {
+/// A picture of colors, once there is room for it.
+pub(super) fn color_picture(lua: &Lua, object: &str, path: &str) -> mlua::Result<ColorPicture> {
     /// Digits of 16 bits and floats, as they are decoded.
     const DECODED: usize = 3 * (size_of::<u16>() + size_of::<f32>());
     let file = host::of(lua)?.input(path)?;
     host::reserve_for_file(lua, object, &file)?;
     if let Some([width, height]) = output::declared_size(&file)? {
-        let bytes = width.saturating_mul(height).saturating_mul(DECODED + bytes_a_pixel);
+        let bytes = width.saturating_mul(height).saturating_mul(DECODED);
         host::reserve(lua, object, bytes, "a smaller picture")?;
     }
     Ok(output::read_color_picture(&file)?)
