@@ -1,6 +1,6 @@
 -- The benchmark scenes: the views of models 1 to 4 at the default quality.
 --
---   lampyris run scripts/bench.lua [-- SAMPLES [WIDTH]]      a million light samples a bulb, or as many
+--   lampyris run --cache off scripts/bench.lua [-- SAMPLES [WIDTH]]      a million light samples a bulb, or as many
 --
 -- Prints three tables in Markdown. The first: what is rendered, seconds by stage, and how many rays
 -- and light sums a second that took; rays are those of the camera, of mirrors, of lenses and to

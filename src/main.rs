@@ -12,6 +12,7 @@ use lampyris::Error;
 use lampyris::display::{Display, Exposure, Look};
 use lampyris::input;
 use lampyris::output;
+use lampyris::program::cache::Cache;
 use lampyris::program::develop::develop_files;
 use lampyris::program::progress::Verbosity;
 use lampyris::program::script::{self, ScriptFault, Settings};
@@ -163,6 +164,13 @@ struct RunOptions {
     /// Most memory to use, such as 500M [default: three quarters of the machine's]
     #[arg(long, value_name = "SIZE", value_parser = bytes_from_text)]
     max_memory: Option<usize>,
+    /// Folder that keeps rays and light trees from run to run, or "off" [default: LAMPYRIS_CACHE of the
+    /// environment, or "lampyris" in the user's cache folder]
+    #[arg(long, value_name = "DIR")]
+    cache: Option<PathBuf>,
+    /// Most that this folder may hold
+    #[arg(long, value_name = "SIZE", value_parser = bytes_from_text, default_value = "2G")]
+    cache_size: usize,
     /// No progress on standard error
     #[arg(long)]
     quiet: bool,
@@ -296,7 +304,12 @@ impl RunOptions {
             eprintln!("lampyris: {message}");
             return ExitCode::from(FAILED);
         }
-        if let Err(error) = output::confine(&self.out) {
+        let cache = match self.cache() {
+            Ok(cache) => cache,
+            Err(error) => return exit_code(Err(error)),
+        };
+        let written = [self.out.as_path()].into_iter().chain(cache.folder());
+        if let Err(error) = output::confine(written) {
             return exit_code(Err(error));
         }
         let verbosity = match (self.log, self.quiet) {
@@ -310,6 +323,7 @@ impl RunOptions {
             interrupted: interrupted_by_ctrl_c(),
             read: self.read,
             max_memory: Some(self.max_memory.unwrap_or_else(memory::default_limit)),
+            cache,
             ..Settings::default()
         };
         match run(settings) {
@@ -319,6 +333,22 @@ impl RunOptions {
                 ExitCode::from(if fault.interrupted { INTERRUPTED } else { FAILED })
             }
         }
+    }
+
+    /// A folder that was asked for must be there or be made; the user's own may fail, and nothing is
+    /// kept then.
+    fn cache(&self) -> Result<Cache, Error> {
+        let named = std::env::var_os("LAMPYRIS_CACHE").filter(|name| !name.is_empty());
+        let asked = self.cache.clone().or(named.map(PathBuf::from));
+        let folder = match asked {
+            Some(name) if name == Path::new("off") => None,
+            Some(folder) => {
+                output::make_folder(&folder)?;
+                Some(folder)
+            }
+            None => Cache::default_folder(),
+        };
+        Ok(folder.map_or_else(Cache::default, |folder| Cache::new(folder, self.cache_size as u64)))
     }
 }
 
@@ -355,6 +385,7 @@ fn replay(
         out: out.clone(),
         read: vec![root.join("files")],
         arguments: experiment.arguments.clone(),
+        cache: Cache::default(), // made again, all of it
         ..settings
     };
     end_when_stuck(settings.clone());

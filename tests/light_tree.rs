@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 use glam::{DAffine3, DQuat, DVec3};
 use lampyris::color::Photometry;
 use lampyris::light::sum::reference_sum;
-use lampyris::light::{HitQuery, LightSum, LightTree, RaySample, RaySet};
+use lampyris::light::{HitQuery, LightSum, LightTree, RaySample, RaySet, Sight, Visibility};
 use lampyris::material::{LobeShape, Lobes, SpecularLobe};
 use random::Random;
 
@@ -558,11 +558,20 @@ fn shadows_of_an_edge_are_within_the_error() {
         let hit = hit_toward(point, DVec3::ZERO, 0.03, &mut random);
         let query = query(hit, &lobes, BOTH[i % 2]);
         let exact = reference_sum(&set, &query, Some(&free));
-        assert_eq!(tree.sum(&query, 0.0, Some(&|_| false)).reflected, 0.0);
-        let plain = tree.sum(&query, 0.0, Some(&free));
-        assert_close(plain.reflected, exact.reflected, 3e-5, "exact");
-        let sum = tree.sum(&query, 0.01, Some(&free));
-        assert_close(sum.reflected, exact.reflected, 0.01, "tree");
+        let nothing = Visibility::of_places(&|_| false);
+        assert_eq!(tree.sum(&query, 0.0, Some(nothing)).reflected, 0.0);
+        let ball = |center: DVec3, radius: f64| match center.x {
+            x if x + radius < edge => Sight::Seen,
+            x if x - radius >= edge => Sight::Hidden,
+            _ => Sight::Unknown,
+        };
+        let by_places = Visibility::of_places(&free);
+        for visible in [by_places, Visibility { ball: &ball, ..by_places }] {
+            let plain = tree.sum(&query, 0.0, Some(visible));
+            assert_close(plain.reflected, exact.reflected, 3e-5, "exact");
+            let sum = tree.sum(&query, 0.01, Some(visible));
+            assert_close(sum.reflected, exact.reflected, 0.01, "tree");
+        }
     }
 }
 

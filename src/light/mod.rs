@@ -2,9 +2,11 @@
 //! answers within a bound.
 
 pub mod rayset;
+mod stored;
 pub mod sum;
 pub mod tree;
 
 pub use rayset::{RaySample, RaySet};
-pub use sum::{HitQuery, LightSum, Visibility};
+pub use stored::{read_samples, write_samples};
+pub use sum::{HitQuery, LightSum, Sight, Visibility};
 pub use tree::LightTree;

@@ -21,7 +21,13 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
 ) -> Result<()> {
-    replace(path, write).map_err(|e| Error::io(path, e))
+    replace(path, write, true).map_err(|e| Error::io(path, e))
+}
+
+/// [`write_atomically`], but it does not wait for the disk: for what can be made again, and shows
+/// whether it is whole.
+pub fn write_unsynced(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<()> {
+    replace(path, write, false).map_err(|e| Error::io(path, e))
 }
 
 /// [`write_atomically`] for text that is at hand.
@@ -51,16 +57,17 @@ pub fn write_csv<Row: AsRef<[f64]>>(
     })
 }
 
-/// The only place that this process writes to, once it has been confined.
-static CONFINED: OnceLock<PathBuf> = OnceLock::new();
+/// The only places that this process writes to, once it has been confined.
+static CONFINED: OnceLock<Vec<PathBuf>> = OnceLock::new();
 
-/// Lets [`write_atomically`] write below `root` only, for as long as the process lives.
+/// Lets [`write_atomically`] write below `roots` only, for as long as the process lives.
 ///
 /// Checked with the folder in hand that is written to: whatever becomes of the names on the way to
 /// it in the meantime, nothing is written elsewhere (on Linux; other systems check names).
 /// Errors: [`Error::Io`] if there is no such place.
-pub fn confine(root: &Path) -> Result<()> {
-    let real = input::real_path(root).map_err(|e| Error::io(root, e))?;
+pub fn confine<'a>(roots: impl IntoIterator<Item = &'a Path>) -> Result<()> {
+    let real = |root: &Path| input::real_path(root).map_err(|e| Error::io(root, e));
+    let real = roots.into_iter().map(real).collect::<Result<_>>()?;
     CONFINED.get_or_init(|| real);
     Ok(())
 }
@@ -82,7 +89,11 @@ pub fn create(path: &Path) -> Result<File> {
 }
 
 /// Writes through a handle of the folder, so that a name that changes its meaning changes nothing.
-fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::Result<()> {
+fn replace(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+    is_synced: bool,
+) -> io::Result<()> {
     let (place, name) = OpenFolder::of_file(path)?;
     if is_new_to_us(path.parent().unwrap_or(path)) {
         remove_abandoned(&place.path);
@@ -91,11 +102,13 @@ fn replace(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> io::
     let mut file = File::options().read(true).write(true).create_new(true).open(&partial.0)?;
     let _ = file.try_lock(); // where there are no locks, nothing is taken for abandoned
     write(&mut file)?;
-    file.sync_all()?;
+    if is_synced {
+        file.sync_all()?;
+    }
     drop(file);
     fs::rename(&partial.0, place.path.join(name))?;
     // The rename itself survives a crash only if the folder is synced.
-    place.handle.map_or(Ok(()), |handle| handle.sync_all())
+    place.handle.filter(|_| is_synced).map_or(Ok(()), |handle| handle.sync_all())
 }
 
 /// A folder that is open, and where it may be written to.
@@ -147,7 +160,9 @@ impl OpenFolder {
 
 /// Whether a place is below the only one to write to, or on the way to it.
 fn is_confined(real: &Path, or_above: bool) -> bool {
-    CONFINED.get().is_none_or(|root| real.starts_with(root) || (or_above && root.starts_with(real)))
+    let is_on_the_way =
+        |root: &PathBuf| real.starts_with(root) || (or_above && root.starts_with(real));
+    CONFINED.get().is_none_or(|roots| roots.iter().any(is_on_the_way))
 }
 
 fn outside() -> io::Error {
@@ -205,7 +220,9 @@ fn partial_name(name: &OsStr) -> String {
 /// Folders open as files only on Unix.
 #[cfg(unix)]
 fn folder_handle(folder: &Path) -> io::Result<Option<File>> {
-    File::open(folder).map(Some)
+    let handle = File::open(folder)?;
+    let is_folder = handle.metadata()?.is_dir();
+    is_folder.then_some(Some(handle)).ok_or_else(|| io::ErrorKind::NotADirectory.into())
 }
 
 #[cfg(not(unix))]

@@ -19,7 +19,9 @@ use crate::light::RaySet;
 use crate::source::rayfile::{self, SaveFormat};
 use crate::spectrum::Spectrum;
 
-pub use atomic::{confine, create, make_folder, write_atomically, write_csv, write_text};
+pub use atomic::{
+    confine, create, make_folder, write_atomically, write_csv, write_text, write_unsynced,
+};
 pub use base64::base64;
 pub use color_picture::{ColorPicture, Primaries, declared_size, read_color_picture};
 pub use exchange::{write_float_tiff, write_jpeg, write_tiff};

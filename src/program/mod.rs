@@ -3,6 +3,7 @@
 //! The feature `program` (a default) adds it; the renderer knows nothing of it.
 
 pub mod archive;
+pub mod cache;
 pub mod develop;
 pub mod diff;
 pub mod fields;

@@ -1,8 +1,11 @@
 //! A scene that is prepared when it is first needed, and then kept.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
+use std::time::Instant;
 
 use crate::error::Result;
+use crate::light::LightTree;
+use crate::program::cache::Cache;
 use crate::program::sweep::{self, Digest};
 use crate::scene::{Prepared, Scene, plausibility};
 use crate::shading;
@@ -31,14 +34,15 @@ pub struct Stage {
     /// As it was described.
     pub scene: Scene,
     in_use: InUse,
+    cache: Cache,
     prepared: OnceLock<Arc<Prepared>>,
     fingerprint: OnceLock<Digest>,
 }
 
 impl Stage {
-    /// Prepares nothing yet; `in_use` are the others.
-    pub fn new(scene: Scene, in_use: InUse) -> Self {
-        Self { scene, in_use, prepared: OnceLock::new(), fingerprint: OnceLock::new() }
+    /// Prepares nothing yet; `in_use` are the others, `cache` has what earlier processes made.
+    pub fn new(scene: Scene, in_use: InUse, cache: Cache) -> Self {
+        Self { scene, in_use, cache, prepared: OnceLock::new(), fingerprint: OnceLock::new() }
     }
 
     /// Whether [`Self::prepared`] has been called.
@@ -54,7 +58,16 @@ impl Stage {
         if let Some(prepared) = self.prepared.get() {
             return Ok(Arc::clone(prepared));
         }
-        let prepared = Arc::new(shading::prepare(self.scene.clone(), &self.in_use.all())?);
+        let start = Instant::now();
+        // The scene finds them, as long as they are held.
+        let lights = self.scene.lights.iter();
+        let trees: Vec<Option<LightTree>> =
+            lights.map(|light| self.cache.light_tree(&light.rays)).collect();
+        let seconds = start.elapsed().as_secs_f64();
+        let mut prepared = shading::prepare(self.scene.clone(), &self.in_use.all())?;
+        drop(trees);
+        prepared.seconds.light_trees += seconds;
+        let prepared = Arc::new(prepared);
         self.in_use.add(&prepared);
         plausibility::of_scene(&prepared).into_iter().for_each(warn);
         Ok(Arc::clone(self.prepared.get_or_init(|| prepared)))

@@ -14,7 +14,7 @@ use super::media::Media;
 use super::walk::SurfacePoint;
 use crate::color::Photometry;
 use crate::geometry::{DVec3, Ray, Role, Shaft};
-use crate::light::sum::{LightSum, Visibility};
+use crate::light::sum::{LightSum, Sight, Visibility};
 use crate::scene::{Shadows, SurfaceKind};
 use crate::spectrum::Bands;
 
@@ -57,11 +57,29 @@ struct Between {
     shaft: Option<Shaft>,
     /// Whether anything opaque does.
     hides: bool,
+    /// Whether that leaves nothing of the light to be seen.
+    hides_all: bool,
     /// Whether anything does that takes some of the light.
     dims: bool,
+    /// Whether all ways to the light go through the same.
+    dims_alike: bool,
 }
 
 impl Between {
+    /// For a light before which nothing stands.
+    const NOTHING: Self =
+        Self { shaft: None, hides: false, hides_all: false, dims: false, dims_alike: false };
+
+    /// What is known of the light's places in a ball.
+    fn sight(&self, center: DVec3, radius: f64) -> Sight {
+        let Some(shaft) = &self.shaft else { return Sight::Unknown };
+        match shaft.hides_ball(center, radius) {
+            Some(true) => Sight::Hidden,
+            Some(false) => Sight::Seen,
+            None => Sight::Unknown,
+        }
+    }
+
     /// The triangles to ask about a segment to `target`, if not all.
     fn shaft_to(&self, target: DVec3) -> Option<&Shaft> {
         self.shaft.as_ref().filter(|shaft| shaft.holds(target))
@@ -88,29 +106,45 @@ impl Tracer<'_> {
         (surface, before): (&SurfacePoint, &Media),
         mut take: impl FnMut(LightSum, Option<&Bands>),
     ) -> u64 {
-        if !between.dims {
+        if !between.dims || between.hides_all {
             let (sum, shadow_rays) =
                 self.unveiled_sum(light, surface, self.limits.light_error, between);
             take(sum, None);
             return shadow_rays;
         }
-        let query = self.hit_query(surface);
+        let from = (surface, before, between);
         let tree = &self.prepared.light_trees[light];
-        let veils = RefCell::new(vec![Veil::default()]);
+        if between.dims_alike && !between.hides {
+            let veil = self.veil(from, tree.middle());
+            let (sum, _) = self.unveiled_sum(light, surface, self.limits.light_error, between);
+            take(sum, self.left_by(&veil).as_ref());
+            return 1;
+        }
+        let query = self.hit_query(surface);
+        let veils = RefCell::new(Vec::new());
         let shadow_rays = Cell::new(0);
         let mut at = 0;
-        while at < veils.borrow().len() {
+        while at <= veils.borrow().len().saturating_sub(1) {
             let visible = |position: DVec3| {
                 shadow_rays.set(shadow_rays.get() + 1);
-                let veil = || {
-                    let from = (surface, before, between);
-                    self.find_veil(from, position, &mut veils.borrow_mut())
+                let veil = || match &mut *veils.borrow_mut() {
+                    known if between.dims_alike && !known.is_empty() => 0,
+                    known => self.find_veil(from, position, known),
                 };
                 self.is_free(light, surface, position, between) && veil() == at
             };
-            let asked = (self.limits.light_error, Some(&visible as Visibility));
+            let ball = |center, radius| {
+                let is_alike = between.dims_alike && veils.borrow().len() == 1;
+                match between.sight(center, radius) {
+                    Sight::Seen if is_alike => Sight::Seen,
+                    Sight::Hidden => Sight::Hidden,
+                    _ => Sight::Unknown,
+                }
+            };
+            let visible = Visibility { place: &visible, ball: &ball };
+            let asked = (self.limits.light_error, Some(visible));
             let sum = self.both_sides(tree, &query, asked, surface);
-            take(sum, self.left_by(&veils.borrow()[at]).as_ref());
+            take(sum, veils.borrow().get(at).and_then(|veil| self.left_by(veil)).as_ref());
             at += 1;
         }
         shadow_rays.get()
@@ -137,6 +171,9 @@ impl Tracer<'_> {
     ) -> (LightSum, u64) {
         let query = self.hit_query(surface);
         let tree = &self.prepared.light_trees[light];
+        if between.hides_all {
+            return (LightSum::default(), 0);
+        }
         if !between.hides {
             return (self.both_sides(tree, &query, (light_error, None), surface), 0);
         }
@@ -145,7 +182,9 @@ impl Tracer<'_> {
             shadow_rays.set(shadow_rays.get() + 1);
             self.is_free(light, surface, position, between)
         };
-        (self.both_sides(tree, &query, (light_error, Some(&visible)), surface), shadow_rays.get())
+        let ball = |center, radius| between.sight(center, radius);
+        let visible = Visibility { place: &visible, ball: &ball };
+        (self.both_sides(tree, &query, (light_error, Some(visible)), surface), shadow_rays.get())
     }
 
     /// Nothing for a light of which the hit sees no sample on the sides that it asks; without
@@ -158,22 +197,45 @@ impl Tracer<'_> {
         let query = self.hit_query(surface);
         let [near, far] = [query.reflects && height > -reach, query.transmits && height < reach];
         if !(self.casts_shadows() && (near || far)) {
-            return Between { shaft: None, hides: false, dims: false };
+            return Between::NOTHING;
         }
         let (bvh, blocks) = (&self.prepared.bvh, self.prepared.blocks(light));
-        let role = |object: usize| if blocks[object] { Role::Blocks } else { Role::Counts };
+        let attenuates = before.is_some() && self.attenuates();
+        let role = |object: usize| match blocks[object] {
+            true => Role::Blocks,
+            false if attenuates => Role::Counts,
+            false => Role::None,
+        };
         let leaving = surface.near.triangle;
         let shaft = bvh.shaft(&surface.near.departure, leaving, (low, high), role);
         let own = (height < -reach).then_some(surface.object);
         let dims = |object: usize| Some(object) != own && !blocks[object] && self.dims(object);
         let starts = [near.then_some(before).flatten(), far.then_some(&surface.after)];
-        let is_inside = starts.into_iter().flatten().flat_map(Media::objects).any(dims);
+        let started: Vec<usize> = starts.into_iter().flatten().flat_map(Media::objects).collect();
+        let is_inside = started.iter().copied().any(dims);
         let crosses = shaft.as_ref().is_none_or(|shaft| bvh.objects_in(shaft).any(dims));
+        let dims = attenuates && (is_inside || crosses);
+        let is_one_side = height.abs() > reach;
+        let dims_alike =
+            |shaft: &Shaft| is_one_side && self.is_crossed_alike(shaft, blocks, &started);
         Between {
             hides: shaft.as_ref().is_none_or(|shaft| !shaft.is_free()),
-            dims: before.is_some() && self.attenuates() && (is_inside || crosses),
+            hides_all: shaft.as_ref().is_some_and(Shaft::hides_all),
+            dims,
+            dims_alike: dims && shaft.as_ref().is_some_and(dims_alike),
             shaft,
         }
+    }
+
+    /// Whether all ways in a shaft go through the same surfaces, in the same order.
+    fn is_crossed_alike(&self, shaft: &Shaft, blocks: &[bool], started: &[usize]) -> bool {
+        let crossed = self.prepared.bvh.objects_in(shaft).filter(|&object| !blocks[object]);
+        let crossed: Vec<usize> = crossed.collect();
+        let is_one = crossed.windows(2).all(|pair| pair[0] == pair[1]);
+        // The mean path depends on what of the light shines to the hit.
+        let has_path = |object: &usize| self.dims(*object) && self.has_path(*object);
+        let has_no_path = !crossed.iter().chain(started).any(has_path);
+        is_one && has_no_path && self.prepared.scene.contact_mm == 0.0 && shaft.crosses_alike()
     }
 
     pub(super) fn casts_shadows(&self) -> bool {
@@ -373,14 +435,13 @@ mod tests {
         scene.prepare().unwrap()
     }
 
-    /// Both sums, as far as they pass, and how many veils there were.
-    fn passed(tracer: &Tracer, between: &Between, from: (&SurfacePoint, &Media)) -> [f64; 3] {
-        let mut total = [0.0; 3];
+    /// Both sums, as far as they pass.
+    fn passed(tracer: &Tracer, between: &Between, from: (&SurfacePoint, &Media)) -> [f64; 2] {
+        let mut total = [0.0; 2];
         tracer.each_sum_through(between, 0, from, |sum, left| {
             let left = left.map_or(1.0, |left| left.as_slice().iter().sum::<f64>() / 81.0);
             total[0] += left * sum.reflected;
             total[1] += left * sum.transmitted;
-            total[2] += 1.0;
         });
         total
     }
@@ -395,8 +456,9 @@ mod tests {
             let tables = prepared.tables(WavelengthGrid::Step5).unwrap();
             let limits = TraceLimits { light_error, ..TraceLimits::default() };
             let tracer = Tracer { prepared: &prepared, tables, limits };
-            // Hits, and those of them that see all, some or none of the light, or see it dimmed.
-            let mut seen = [0; 4];
+            // Hits, and those of them that see all or none of the light, or know at once that they see
+            // none, see it dimmed, or dimmed alike.
+            let mut seen = [0; 6];
             for i in 0..400 {
                 let at = |axis| 70.0 * (unit(i, axis) - 0.5);
                 let origin = DVec3::new(at(0), at(1), 60.0);
@@ -406,7 +468,8 @@ mod tests {
                     let Arrival::Hit(surface) = arrival else { return };
                     let from = (surface, &branch.media);
                     let between = tracer.between(0, (surface, Some(&branch.media)));
-                    let unknown = Between { shaft: None, hides: true, dims: tracer.attenuates() };
+                    let dims = tracer.attenuates();
+                    let unknown = Between { hides: true, dims, ..Between::NOTHING };
                     let (quick, plain) =
                         (passed(&tracer, &between, from), passed(&tracer, &unknown, from));
                     for side in 0..2 {
@@ -417,11 +480,15 @@ mod tests {
                     seen[0] += 1;
                     seen[1] += usize::from(!between.hides);
                     seen[2] += usize::from(between.hides && plain[0] + plain[1] == 0.0);
-                    seen[3] += usize::from(quick[2] > 1.0);
+                    seen[3] += usize::from(between.hides_all);
+                    seen[4] += usize::from(between.dims);
+                    seen[5] += usize::from(between.dims_alike);
                 });
             }
             assert!(seen[0] > 500 && seen[1] > 200 && seen[2] > 20, "{seen:?}");
-            assert!((seen[3] > 50) == (photometry == Photometry::Absolute), "{seen:?}");
+            assert!(seen[3] > 20, "{seen:?}");
+            let dims = photometry == Photometry::Absolute;
+            assert!((seen[4] > 50) == dims && (seen[5] > 20) == dims, "{seen:?}");
         }
     }
 }

@@ -51,9 +51,24 @@ impl Filament {
     ///
     /// Errors: [`Error::OutOfRange`] and [`Error::Inconsistent`] for sizes that are no coil.
     pub fn rayset(&self) -> Result<RaySet> {
-        self.coil.check("filament")?;
+        self.rayset_of(self.draw()?)
+    }
+
+    /// The set of samples that [`Filament::draw`] gave.
+    ///
+    /// Errors: as [`Filament::rayset`].
+    pub fn rayset_of(&self, drawn: Arc<[RaySample]>) -> Result<RaySet> {
         check_emitter("filament", self.flux_lm, self.samples)?;
         let world_from_local = placement("filament", self.center, self.axis)?;
+        Ok(RaySet { world_from_local, ..RaySet::new(drawn, self.flux_lm) })
+    }
+
+    /// The samples: they depend on the coil, their number and the seed alone.
+    ///
+    /// Errors: as [`Filament::rayset`].
+    pub fn draw(&self) -> Result<Arc<[RaySample]>> {
+        self.coil.check("filament")?;
+        check_emitter("filament", self.flux_lm, self.samples)?;
         let shrink = axial_shrink(&self.coil);
         let sequence = EvenSequence::new(self.seed);
         let mut samples = Vec::with_capacity(self.samples);
@@ -72,7 +87,7 @@ impl Filament {
             let free = drawn.iter().flatten();
             samples.extend(free.take(missing).copied());
         }
-        Ok(RaySet { world_from_local, ..RaySet::new(samples.into(), self.flux_lm) })
+        Ok(samples.into())
     }
 
     /// The wire as rays see it, in the coil's own coordinates: of even radiance, such that what

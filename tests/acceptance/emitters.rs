@@ -258,8 +258,8 @@ fn rays_see_only_the_nearest_surface_of_a_light_and_shadows_spare_its_own() {
         seen(&scene.prepare().unwrap(), Ray { origin: slanted, direction: -slanted.normalize() })
     };
     // Half of the samples are turned away; none that is turned to the wall is hidden by its own
-    // surface.
-    assert_close(lit(true), lit(false), 1e-12, "wall");
+    // surface. 1e-7: one scene asks sample by sample, the other adds them up in f32 lanes.
+    assert_close(lit(true), lit(false), 1e-7, "wall");
 }
 
 #[test]

@@ -32,7 +32,8 @@ impl Bench {
 
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_lampyris"));
-        command.current_dir(&self.0).args(arguments);
+        // Nothing of another run, unless a test asks for it.
+        command.current_dir(&self.0).args(arguments).env("LAMPYRIS_CACHE", "off");
         command
     }
 

@@ -3,6 +3,7 @@
 mod archive;
 mod attacks;
 mod bench;
+mod cache;
 mod diff;
 mod inputs;
 mod language;

@@ -19,6 +19,7 @@ mod query;
 mod shaft;
 #[cfg(test)]
 mod tests;
+mod umbra;
 mod walk;
 mod wide;
 

@@ -7,6 +7,7 @@
 //! hit, its own, or one through the hit and an edge. The same planes say of most segments whether
 //! the triangle hides their ends; of the others the ray's own test does.
 
+use std::array;
 use std::cell::Cell;
 
 use super::super::{DVec3, TriangleId};
@@ -14,6 +15,7 @@ use super::super::{DVec3, TriangleId};
 use super::avx2;
 use super::bounds::PAD;
 use super::departure::LIFT;
+use super::umbra;
 use super::walk::{LEAST_DIRECTION, take_lane};
 use super::wide::{CORNERS, LANES, Packet, Tree, WideNode};
 use super::{Bvh, Departure};
@@ -34,7 +36,9 @@ pub struct Shaft {
     /// The hit.
     point: DVec3,
     candidates: Vec<Candidate>,
-    blockers: Vec<Blocker>,
+    pub(super) blockers: Vec<Blocker>,
+    /// Of the candidates that do not block.
+    panes: Vec<Pyramid>,
     /// The blocker that hid a place last is asked first: neighbors hide neighbors.
     last: Cell<usize>,
 }
@@ -54,9 +58,9 @@ impl Candidate {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Blocker {
+pub(super) struct Blocker {
     triangle: Candidate,
-    pyramid: Pyramid,
+    pub pyramid: Pyramid,
 }
 
 /// What a triangle does in a shaft.
@@ -81,6 +85,28 @@ impl Shaft {
         self.blockers.is_empty()
     }
 
+    /// The same for the places of the box that are in a ball: `None` where a blocker ends before it.
+    pub fn hides_ball(&self, center: DVec3, radius: f64) -> Option<bool> {
+        let (low, high) = (center - DVec3::splat(radius), center + DVec3::splat(radius));
+        let ball = (low.max(self.low) - self.point, high.min(self.high) - self.point);
+        match umbra::is_beside(&self.blockers, ball) {
+            true => Some(false),
+            false => umbra::holds(&self.blockers, ball).then_some(true),
+        }
+    }
+
+    /// Whether all ways to the box cross what counts and does not block alike, for sure: as often, and in
+    /// the same order if it is of one object that does not cross itself.
+    pub fn crosses_alike(&self) -> bool {
+        umbra::go_on(&self.panes, (self.low - self.point, self.high - self.point))
+    }
+
+    /// Whether what blocks hides all places of the box for sure; of a box that is seen, or whose
+    /// blockers only look closed, it may not tell.
+    pub fn hides_all(&self) -> bool {
+        umbra::holds(&self.blockers, (self.low - self.point, self.high - self.point))
+    }
+
     pub(super) fn candidates(&self) -> &[Candidate] {
         &self.candidates
     }
@@ -103,8 +129,9 @@ impl Bvh {
             low,
             high,
             point: from.point,
-            candidates: Vec::new(),
-            blockers: Vec::new(),
+            candidates: Vec::with_capacity(MOST_PACKETS + 1),
+            blockers: Vec::with_capacity(16),
+            panes: Vec::new(),
             last: Cell::new(0),
         };
         if self.tree.root.is_none() {
@@ -132,7 +159,7 @@ impl Bvh {
         mut shaft: Shaft,
     ) -> Option<Shaft> {
         let mut child = self.tree.root?;
-        let mut waiting = Vec::with_capacity(64);
+        let mut waiting = Vec::with_capacity(LANES * MOST_NODES);
         let mut nodes = 0;
         loop {
             if let Some(packet) = child.as_packet() {
@@ -166,7 +193,7 @@ impl Bvh {
     ) {
         let packet = &self.tree.packets[packet_index];
         let under = sides.corners_under_the_hit(packet);
-        let (mut asked, mut kept) = (u32::from(packet.present), 0);
+        let (mut asked, mut kept) = (u32::from(packet.present) & !sides.parted(packet), 0);
         while asked != 0 {
             let lane = take_lane(&mut asked);
             let triangle = TriangleId(packet.triangles[lane]);
@@ -183,6 +210,8 @@ impl Bvh {
                 if role == Role::Blocks {
                     let triangle = Candidate { packet: packet_index, lanes: 1 << lane };
                     shaft.blockers.push(Blocker { triangle, pyramid });
+                } else {
+                    shaft.panes.push(pyramid);
                 }
             }
         }
@@ -284,18 +313,18 @@ impl Slabs {
         for plane in 0..6 {
             let (inverse, origin) = (self.inverse[plane], self.origin_inverse[plane]);
             let at: [f32; LANES] =
-                std::array::from_fn(|lane| node.planes[plane][lane] * inverse - origin);
+                array::from_fn(|lane| node.planes[plane][lane] * inverse - origin);
             if self.is_least[plane] {
-                near = std::array::from_fn(|i| if at[i] > near[i] { at[i] } else { near[i] });
+                near = array::from_fn(|i| if at[i] > near[i] { at[i] } else { near[i] });
             } else {
-                far = std::array::from_fn(|i| if at[i] < far[i] { at[i] } else { far[i] });
+                far = array::from_fn(|i| if at[i] < far[i] { at[i] } else { far[i] });
             }
         }
         let mut top = [-self.height; LANES];
         for axis in 0..3 {
             let n = self.normal[axis];
             let plane = &node.planes[2 * axis + usize::from(n > 0.0)];
-            top = std::array::from_fn(|lane| top[lane] + n * plane[lane]);
+            top = array::from_fn(|lane| top[lane] + n * plane[lane]);
         }
         let meets = |i: usize| (near[i] <= far[i]) & (top[i] >= 0.0);
         (0..LANES).fold(0, |bits, lane| bits | u32::from(meets(lane)) << lane)
@@ -355,7 +384,7 @@ impl Sides {
         }
         let n = self.normal * self.side;
         let [xs, ys, zs] = &packet.positions;
-        let height: [f64; CORNERS] = std::array::from_fn(|i| {
+        let height: [f64; CORNERS] = array::from_fn(|i| {
             let [x, y, z] = [xs[i] - self.point.x, ys[i] - self.point.y, zs[i] - self.point.z];
             n.x * x + n.y * y + n.z * z
         });
@@ -363,12 +392,51 @@ impl Sides {
         (0..CORNERS).fold(0, |bits, i| bits | u32::from(height[i] <= most) << i)
     }
 
+    /// Triangles that the plane of an edge parts from all segments, one bit each: those of which
+    /// [`Sides::pyramid`] finds the same, all lanes at once.
+    #[inline(always)]
+    fn parted(&self, packet: &Packet) -> u32 {
+        let mut corners = [[[0.0; LANES]; 3]; 3];
+        for (corner, places) in corners.iter_mut().zip(&packet.corners) {
+            for (axis, values) in corner.iter_mut().enumerate() {
+                for (value, &place) in values.iter_mut().zip(places) {
+                    *value =
+                        packet.positions[axis][usize::from(place) % CORNERS] - self.point[axis];
+                }
+            }
+        }
+        let (far, middle, half) = (self.far(), self.middle, self.half);
+        let mut parted = [false; LANES];
+        for i in 0..LANES {
+            let at =
+                |corner: usize| DVec3::from_array(corners[corner].each_ref().map(|axis| axis[i]));
+            let (a, b, c) = (at(0), at(1), at(2));
+            let (of_a, of_b, of_c) = (far * a.length(), far * b.length(), far * c.length());
+            let (ab, bc, ca) = (a.cross(b), b.cross(c), c.cross(a));
+            let volume = ab.dot(c);
+            let is_past = |normal: DVec3, slack: f64| {
+                let at = volume.signum() * normal.dot(middle);
+                (volume.abs() > slack, at + half.dot(normal.abs()) < -slack)
+            };
+            let (turned_ab, past_ab) = is_past(ab, of_a + of_b);
+            let (turned_bc, past_bc) = is_past(bc, of_b + of_c);
+            let (turned_ca, past_ca) = is_past(ca, of_c + of_a);
+            parted[i] = (turned_ab & turned_bc & turned_ca) & (past_ab | past_bc | past_ca);
+        }
+        (0..LANES).fold(0, |bits, i| bits | u32::from(parted[i]) << i)
+    }
+
+    /// How far moving the start by the slack moves the end of a segment, times its length.
+    #[inline(always)]
+    fn far(&self) -> f64 {
+        2.0 * self.slack_mm * (self.middle.abs() + self.half).max_element()
+    }
+
     /// What a triangle hides; `None` if a plane parts it from all segments.
     #[inline(always)]
     fn pyramid(&self, corners: [DVec3; 3]) -> Option<Pyramid> {
         let [a, b, c] = corners.map(|corner| corner - self.point);
-        let far = 2.0 * self.slack_mm * (self.middle.abs() + self.half).max_element();
-        let lengths = [a, b, c].map(|corner| far * corner.length());
+        let lengths = [a, b, c].map(|corner| self.far() * corner.length());
         // Moving the start by the slack turns an edge's plane by that over the edge's distance.
         let slacks = [lengths[0] + lengths[1], lengths[1] + lengths[2], lengths[2] + lengths[0]];
         let volume = a.cross(b).dot(c);
@@ -392,29 +460,33 @@ impl Sides {
             return None;
         }
         let is_sure = is_turned && least > self.slack_mm;
-        Some(Pyramid { edges, slacks, normal, height, slack_mm: self.slack_mm, is_sure })
+        let corners = [a, b, c];
+        Some(Pyramid { corners, edges, slacks, normal, height, slack_mm: self.slack_mm, is_sure })
     }
 }
 
 /// The hit and a triangle: what lies in the pyramid beyond the triangle is hidden.
 #[derive(Debug, Clone, Copy)]
-struct Pyramid {
-    /// Normals of the planes through the hit and an edge, inward, not unit.
-    edges: [DVec3; 3],
-    slacks: [f64; 3],
+pub(super) struct Pyramid {
+    /// Of the triangle, from the hit, mm.
+    pub corners: [DVec3; 3],
+    /// Normals of the planes through the hit and an edge, inward, not unit. The first edge leads from
+    /// the first corner to the second, and so on.
+    pub edges: [DVec3; 3],
+    pub slacks: [f64; 3],
     /// Unit, on the hit's side.
-    normal: DVec3,
+    pub normal: DVec3,
     /// Of the hit over the triangle's plane, mm.
-    height: f64,
-    slack_mm: f64,
+    pub height: f64,
+    pub slack_mm: f64,
     /// False for slivers, and where the hit lies in the triangle's plane.
-    is_sure: bool,
+    pub is_sure: bool,
 }
 
 impl Pyramid {
     /// Whether the triangle hides a place, from the way there; `None` where rounding decides.
     #[inline(always)]
-    fn hides(&self, way: DVec3) -> Option<bool> {
+    pub fn hides(&self, way: DVec3) -> Option<bool> {
         if !self.is_sure {
             return None;
         }

@@ -5,9 +5,11 @@ pub(crate) mod lanes;
 pub(crate) mod power;
 mod reference;
 mod side;
+mod visibility;
 
 pub use reference::reference_sum;
 pub(crate) use side::Side;
+pub use visibility::{Sight, Visibility};
 
 use glam::DVec3;
 
@@ -65,6 +67,3 @@ impl LightSum {
         }
     }
 }
-
-/// Whether the segment from the hit to a light position is free.
-pub type Visibility<'a> = &'a dyn Fn(DVec3) -> bool;

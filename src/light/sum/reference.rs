@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use super::power::half_lobe_return;
-use super::{HitQuery, LightSum, Photometry, Side, Visibility};
+use super::{HitQuery, LightSum, Photometry, Side};
 use crate::light::RaySet;
 use crate::material::Lobes;
 
@@ -13,7 +13,11 @@ use crate::material::Lobes;
 ///
 /// A sample at the hit point itself has no direction and contributes nothing.
 /// Source: model.md, eq. 2 and 9, "Two photometries".
-pub fn reference_sum(set: &RaySet, query: &HitQuery, visible: Option<Visibility>) -> LightSum {
+pub fn reference_sum(
+    set: &RaySet,
+    query: &HitQuery,
+    visible: Option<&dyn Fn(DVec3) -> bool>,
+) -> LightSum {
     let mut sum = LightSum::default();
     let sides = (Side::reflected(query), Side::transmitted(query));
     for sample in set.samples.iter() {

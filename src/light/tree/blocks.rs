@@ -7,11 +7,11 @@ use rayon::prelude::*;
 
 use super::order::{Order, Placed};
 use crate::light::sum::block::{Block, BlockQuery, LANES, Reach, SampleGroup, Scratch, sum_block};
-use crate::light::{RaySample, RaySet, Visibility};
+use crate::light::{RaySample, RaySet, Sight, Visibility};
 
 /// How a block is summed.
 pub(super) struct Summing<'a> {
-    /// Takes positions in the set's own coordinates.
+    /// Takes places in the set's own coordinates.
     pub visible: Option<Visibility<'a>>,
     /// Ask toward four samples, and toward all only where these differ.
     pub few_questions: bool,
@@ -46,8 +46,24 @@ impl Blocks {
         Blocks { blocks, groups, order, source: set.samples.clone() }
     }
 
+    /// Index in the ray set of each sample, block by block.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
     pub fn groups_of(&self, block: &Block) -> &[SampleGroup] {
         &self.groups[block.groups.start as usize..block.groups.end as usize]
+    }
+
+    /// Where a block's samples lie, within the rounding of offsets: beside each other in memory, as
+    /// [`Blocks::samples_of`] are not.
+    fn places_of(&self, block: &Block) -> impl Iterator<Item = DVec3> {
+        let center = block.center;
+        let place = |group: &'_ SampleGroup, lane: usize| {
+            DVec3::from([0, 1, 2].map(|axis| f64::from(group.offset[axis][lane])))
+        };
+        let groups = self.groups_of(block).iter();
+        groups.flat_map(move |group| (0..LANES).map(move |lane| center + place(group, lane)))
     }
 
     pub fn samples_of(&self, block: &Block) -> impl Iterator<Item = &RaySample> {
@@ -83,21 +99,28 @@ impl Blocks {
         let block = &self.blocks[index];
         let reach = block.reach(query);
         let mut visible = how.visible;
-        if let Some(free) = visible.filter(|_| how.few_questions && reach != Reach::Nothing) {
-            match self.all_or_none_free(block, free) {
-                Some(true) => visible = None,
-                Some(false) => return (0.0, 0),
-                None => {}
+        if let Some(by) = visible.filter(|_| reach != Reach::Nothing) {
+            match (by.ball)(block.center, block.radius) {
+                Sight::Unknown if how.few_questions => match self.all_or_none_free(block, by.place)
+                {
+                    Some(true) => visible = None,
+                    Some(false) => return (0.0, 0),
+                    None => {}
+                },
+                Sight::Seen => visible = None,
+                Sight::Hidden => return (0.0, 0),
+                Sight::Unknown => {}
             }
         }
+        let visible = visible.map(|by| by.place);
         let sum = match (reach, visible) {
             (Reach::Nothing, _) => return (0.0, 0),
             (Reach::NeedsF64, _) => self.sum_f64(block, query, visible),
             (_, None) => sum_block(self.groups_of(block), block.center, query, reach, scratch),
             (_, Some(free)) => {
                 sum_block(self.groups_of(block), block.center, query, reach, scratch);
-                let values = scratch.contributions(block.samples.len()).zip(self.samples_of(block));
-                let seen = values.filter(|(value, sample)| *value > 0.0 && free(sample.origin()));
+                let values = scratch.contributions(block.samples.len()).zip(self.places_of(block));
+                let seen = values.filter(|(value, place)| *value > 0.0 && free(*place));
                 seen.map(|(value, _)| f64::from(value)).sum()
             }
         };
@@ -105,14 +128,19 @@ impl Blocks {
     }
 
     /// What four samples of a block say of all, if they agree.
-    fn all_or_none_free(&self, block: &Block, free: Visibility) -> Option<bool> {
+    fn all_or_none_free(&self, block: &Block, free: &dyn Fn(DVec3) -> bool) -> Option<bool> {
         let count = (block.samples.end - block.samples.start) as usize;
         let mut asked = self.samples_of(block).step_by(count.div_ceil(4).max(1));
         let first = free(asked.next()?.origin());
         asked.all(|sample| free(sample.origin()) == first).then_some(first)
     }
 
-    fn sum_f64(&self, block: &Block, query: &BlockQuery, visible: Option<Visibility>) -> f64 {
+    fn sum_f64(
+        &self,
+        block: &Block,
+        query: &BlockQuery,
+        visible: Option<&dyn Fn(DVec3) -> bool>,
+    ) -> f64 {
         self.samples_of(block)
             .filter_map(|sample| {
                 let value = contribution_f64(sample, query);

@@ -8,8 +8,8 @@ use super::SideSum;
 use super::blocks::{Blocks, Summing};
 use super::levels::Levels;
 use super::node::{NodeQuery, eval_octet};
-use crate::light::Visibility;
 use crate::light::sum::block::{BlockQuery, Scratch};
+use crate::light::{Sight, Visibility};
 
 /// Sums under this fraction of what the set could send straight at the hit (from its radius, if
 /// the hit is nearer) count as dark: their error is absolute.
@@ -44,6 +44,8 @@ struct Leaf {
     node: u32,
     /// What a hidden node would send if it were seen; 0 for a seen one.
     hidden: f32,
+    /// Whether all of its places are seen or hidden alike, for sure.
+    is_known: bool,
 }
 
 impl Leaf {
@@ -161,16 +163,18 @@ impl Descent<'_> {
         let per_node = self.levels.levels[level].blocks_per_node;
         let first = leaf.node as usize * per_node;
         let (any_seen, any_hidden) = (Cell::new(false), Cell::new(false));
-        let asked = |place: DVec3| {
-            let is_free = self.visible.is_none_or(|free| free(place));
-            if is_free {
-                any_seen.set(true)
-            } else {
-                any_hidden.set(true)
-            }
+        let place = |place: DVec3| {
+            let is_free = self.visible.is_none_or(|by| (by.place)(place));
+            (if is_free { &any_seen } else { &any_hidden }).set(true);
             is_free
         };
-        let visible = self.visible.map(|_| &asked as Visibility);
+        let ball = |center: DVec3, radius: f64| {
+            let sight = self.visible.map_or(Sight::Seen, |by| (by.ball)(center, radius));
+            any_seen.set(any_seen.get() || sight == Sight::Seen);
+            any_hidden.set(any_hidden.get() || sight == Sight::Hidden);
+            sight
+        };
+        let visible = self.visible.map(|_| Visibility { place: &place, ball: &ball });
         let scratch = state.scratch.get_or_insert_with(|| Box::new(Scratch::new()));
         for block in first..first + per_node {
             let how = Summing { visible, few_questions: false };
@@ -200,30 +204,41 @@ impl Descent<'_> {
             let (value, error) = (sums.value.0[lane], sums.error.0[lane]);
             if value > 0.0 || error > 0.0 {
                 let node = (octet * 8 + lane) as u32;
-                let leaf = Leaf { value, error, level: level as u8, node, hidden: 0.0 };
+                let (level, hidden, is_known) = (level as u8, 0.0, false);
+                let leaf = Leaf { value, error, level, node, hidden, is_known };
                 let place = sums.place.map(|axis| f64::from(axis.0[lane]));
                 state.leaves.push(self.shaded(leaf, DVec3::from(place) + self.levels.center));
             }
         }
     }
 
-    /// Asks once, towards the node's mean place.
+    /// Asks of all of it; where that tells nothing, once, towards its mean place.
     fn shaded(&self, leaf: Leaf, place: DVec3) -> Leaf {
-        let Some(free) = self.visible else { return leaf };
+        let Some(visible) = self.visible.filter(|_| leaf.value > 0.0) else { return leaf };
         let is_coarse = usize::from(leaf.level) < SHADOW_LEVEL;
         let most = leaf.value + leaf.error;
-        if leaf.value == 0.0 {
-            leaf
-        } else if free(place) {
-            Leaf { error: if is_coarse { most } else { leaf.error }, ..leaf }
-        } else {
-            let error = if is_coarse { most } else { 0.0 };
-            Leaf { value: 0.0, error, hidden: most, ..leaf }
-        }
+        let (center, radius) = self.sphere(&leaf);
+        let sight = (visible.ball)(center + self.levels.center, radius);
+        let is_free = match sight {
+            Sight::Seen => true,
+            Sight::Hidden => false,
+            Sight::Unknown => (visible.place)(place),
+        };
+        let is_known = sight != Sight::Unknown;
+        let error = match is_free {
+            _ if is_coarse && !is_known => most,
+            true => leaf.error,
+            false => 0.0,
+        };
+        let (value, hidden) = if is_free { (leaf.value, 0.0) } else { (0.0, most) };
+        Leaf { value, error, hidden, is_known, ..leaf }
     }
 
     /// Where seen and hidden nodes touch, any of them may be hidden in part.
     fn doubt_borders(&self, state: &mut DescentState) {
+        if state.leaves.iter().all(|leaf| leaf.is_known) {
+            return;
+        }
         let (leaves, settled) = (&state.leaves, &state.settled);
         let is_any_seen =
             leaves.iter().any(|leaf| leaf.value > 0.0) || settled.iter().any(|it| it.is_seen);
@@ -239,8 +254,10 @@ impl Descent<'_> {
         let mut shades: Vec<Shade> = state.leaves.iter().map(shade).collect();
         shades.extend(&state.settled);
         for (leaf, here) in state.leaves.iter_mut().zip(&shades) {
-            if shades.iter().any(|there| here.borders_on(there)) {
-                leaf.error = leaf.error.max(leaf.value).max(leaf.hidden);
+            let most = leaf.value.max(leaf.hidden);
+            let may_be_doubted = !leaf.is_known && leaf.error < most;
+            if may_be_doubted && shades.iter().any(|there| here.borders_on(there)) {
+                leaf.error = most;
             }
         }
     }

@@ -1,5 +1,6 @@
 //! The nodes of the tree: every level halves the one above three times, eight children a node.
 
+use std::io::{self, Read, Write};
 use std::ops::Range;
 
 use glam::DVec3;
@@ -8,10 +9,11 @@ use rayon::prelude::*;
 use super::blocks::Blocks;
 use super::eight::{Eight, Vectors};
 use super::interpolation::TableError;
-use super::moments::Channels;
+use super::moments::{CHANNELS, Channels};
 use super::octahedron::OctahedronGrid;
 use super::table::{CellSamples, RawTable};
 use crate::light::RaySample;
+use crate::light::stored::{read_floats, write_floats};
 use crate::light::sum::block::Block;
 
 /// Sets of fewer blocks (about 2000 samples) are summed as fast without tables.
@@ -41,6 +43,31 @@ pub(super) struct Octet {
     pub largest_error: Eight,
 }
 
+impl Octet {
+    const EMPTY: Octet = Octet {
+        center: [Eight::ZERO; 3],
+        radius: Eight::ZERO,
+        half_size: [Eight::ZERO; 3],
+        flux: Eight::ZERO,
+        error_share: Eight::ZERO,
+        largest_error: Eight::ZERO,
+    };
+
+    const FLOATS: usize = size_of::<Octet>() / size_of::<f32>();
+
+    fn lanes(&self) -> impl Iterator<Item = &f32> {
+        let Octet { center, radius, half_size, flux, error_share, largest_error } = self;
+        let single = [radius, flux, error_share, largest_error];
+        center.iter().chain(half_size).chain(single).flat_map(|eight| &eight.0)
+    }
+
+    fn lanes_mut(&mut self) -> impl Iterator<Item = &mut f32> {
+        let Octet { center, radius, half_size, flux, error_share, largest_error } = self;
+        let single = [radius, flux, error_share, largest_error];
+        center.iter_mut().chain(half_size).chain(single).flat_map(|eight| &mut eight.0)
+    }
+}
+
 /// Nodes of equal depth.
 #[derive(Debug, Clone)]
 pub(super) struct Level {
@@ -60,6 +87,17 @@ impl Level {
             tables: built.iter().flat_map(|octet| octet.tables.iter().copied()).collect(),
             blocks_per_node: size.blocks_per_node,
         }
+    }
+
+    fn read(size: LevelSize, from: &mut dyn Read) -> io::Result<Level> {
+        let grid = size.grid();
+        let mut octets = vec![Octet::EMPTY; size.nodes.div_ceil(8)];
+        let floats = octets.len() * Octet::FLOATS;
+        read_floats(from, floats, octets.iter_mut().flat_map(Octet::lanes_mut))?;
+        let mut tables = vec![Channels([0.0; CHANNELS]); size.nodes * grid.vertices()];
+        let floats = tables.len() * CHANNELS;
+        read_floats(from, floats, tables.iter_mut().flat_map(|vertex| &mut vertex.0))?;
+        Ok(Level { octets, grid, tables, blocks_per_node: size.blocks_per_node })
     }
 
     /// Tables of an octet's nodes, one after the other.
@@ -88,20 +126,22 @@ impl Levels {
         if depth < FEWEST_BLOCKS_DEPTH {
             return None;
         }
-        let center = super::blocks::box_center(blocks.blocks.iter().map(|block| block.center));
-        // The first level takes what is left over, so that all others are whole octets.
-        let first = if depth.is_multiple_of(3) { 3 } else { depth % 3 };
-        let depths = (first..=depth).step_by(3).filter(|bits| 1usize << bits <= MOST_NODES);
+        let center = tree_center(blocks);
         let mut levels = Vec::new();
         let (mut cells, mut has_beams) = (None, false);
-        for bits in depths.collect::<Vec<u32>>().into_iter().rev() {
-            let size = LevelSize { nodes: 1 << bits, blocks_per_node: blocks.blocks.len() >> bits };
+        for size in LevelSize::all(depth).into_iter().rev() {
             let built = BuiltOctet::all(blocks, size, cells.as_deref());
             levels.push(Level::new(&built, size, center));
             has_beams |= built.iter().flat_map(|octet| &octet.errors).any(|error| error.is_beam);
             cells = Some(built.into_iter().map(|octet| octet.parent).collect::<Vec<NodeTable>>());
         }
         levels.reverse();
+        Levels::of(blocks, levels, has_beams)
+    }
+
+    /// None without levels.
+    fn of(blocks: &Blocks, levels: Vec<Level>, has_beams: bool) -> Option<Levels> {
+        let center = tree_center(blocks);
         let flux =
             levels.first()?.octets.iter().flat_map(|octet| octet.flux.0).map(f64::from).sum();
         let reach = |block: &Block| block.center.distance(center) + block.radius;
@@ -109,10 +149,36 @@ impl Levels {
         Some(Levels { levels, center, radius, flux, has_beams })
     }
 
+    /// Octets and tables of all levels, as [`Levels::read`] takes them.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        out.write_all(&[u8::from(self.has_beams)])?;
+        for level in &self.levels {
+            write_floats(out, level.octets.iter().flat_map(Octet::lanes).copied())?;
+            write_floats(out, level.tables.iter().flat_map(|vertex| vertex.0))?;
+        }
+        Ok(())
+    }
+
+    /// What [`Levels::write`] wrote for the same blocks; none for sets that are too small.
+    pub fn read(blocks: &Blocks, depth: u32, from: &mut dyn Read) -> io::Result<Option<Levels>> {
+        if depth < FEWEST_BLOCKS_DEPTH {
+            return Ok(None);
+        }
+        let mut has_beams = [0];
+        from.read_exact(&mut has_beams)?;
+        let levels = LevelSize::all(depth).into_iter().map(|size| Level::read(size, from));
+        let levels = levels.collect::<io::Result<Vec<Level>>>()?;
+        Ok(Levels::of(blocks, levels, has_beams != [0]))
+    }
+
     pub fn memory_bytes(&self) -> usize {
         let of_level = |level: &Level| size_of_val(&*level.octets) + size_of_val(&*level.tables);
         self.levels.iter().map(of_level).sum()
     }
+}
+
+fn tree_center(blocks: &Blocks) -> DVec3 {
+    super::blocks::box_center(blocks.blocks.iter().map(|block| block.center))
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -122,6 +188,16 @@ struct LevelSize {
 }
 
 impl LevelSize {
+    /// Of all levels of a tree of 2^`depth` blocks, from the root's children down.
+    fn all(depth: u32) -> Vec<LevelSize> {
+        // The first level takes what is left over, so that all others are whole octets.
+        let first = if depth.is_multiple_of(3) { 3 } else { depth % 3 };
+        let depths = (first..=depth).step_by(3).filter(|bits| 1usize << bits <= MOST_NODES);
+        depths
+            .map(|bits| LevelSize { nodes: 1 << bits, blocks_per_node: 1 << (depth - bits) })
+            .collect()
+    }
+
     /// Grid of the tables that stay; all are built on [`FINE`].
     fn grid(self) -> OctahedronGrid {
         if self.nodes <= MOST_FINE_NODES { FINE } else { OctahedronGrid { cells: FINE.cells / 2 } }

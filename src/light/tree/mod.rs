@@ -12,17 +12,18 @@ mod moments;
 mod node;
 mod octahedron;
 mod order;
+mod stored;
 mod table;
 
 use std::f64::consts::PI;
-use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 use glam::{DAffine3, DVec3};
 
 use crate::color::Photometry;
 use crate::light::sum::block::{BlockQuery, Scratch};
 use crate::light::sum::power::LobeSet;
-use crate::light::sum::{HitQuery, LightSum, Side, Visibility};
+use crate::light::sum::{HitQuery, LightSum, Side, Sight, Visibility};
 use crate::light::{RaySample, RaySet};
 
 use blocks::{Blocks, Summing};
@@ -57,6 +58,10 @@ struct Ordered {
     cones: Option<Cones>,
 }
 
+fn is_lambert(set: &RaySet) -> bool {
+    set.exponent == 1.0
+}
+
 /// What was built of samples that some scene still holds.
 static SHARED: Mutex<Vec<Shared>> = Mutex::new(Vec::new());
 
@@ -64,6 +69,10 @@ struct Shared {
     samples: Weak<[RaySample]>,
     exponent: f64,
     ordered: Weak<Ordered>,
+}
+
+fn shared() -> MutexGuard<'static, Vec<Shared>> {
+    SHARED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Shared {
@@ -74,31 +83,35 @@ impl Shared {
 }
 
 impl Ordered {
-    fn of(set: &RaySet) -> Arc<Ordered> {
-        let kept = |shared: &mut Vec<Shared>| {
-            shared.retain(|it| it.ordered.strong_count() > 0);
-            shared.iter().find(|it| it.is_of(set)).and_then(|it| it.ordered.upgrade())
-        };
-        let lock = || SHARED.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(ordered) = kept(&mut lock()) {
-            return ordered;
-        }
-        let ordered = Arc::new(Ordered::build(set));
-        let samples = Arc::downgrade(&set.samples);
-        let shared = Arc::downgrade(&ordered);
-        lock().push(Shared { samples, exponent: set.exponent, ordered: shared });
+    /// What is already built of the same samples.
+    fn shared(set: &RaySet) -> Option<Arc<Ordered>> {
+        let mut shared = shared();
+        shared.retain(|it| it.ordered.strong_count() > 0);
+        shared.iter().find(|it| it.is_of(set)).and_then(|it| it.ordered.upgrade())
+    }
+
+    /// For all that have the same samples.
+    fn share(self, set: &RaySet) -> Arc<Ordered> {
+        let ordered = Arc::new(self);
+        shared().push(Shared {
+            samples: Arc::downgrade(&set.samples),
+            exponent: set.exponent,
+            ordered: Arc::downgrade(&ordered),
+        });
         ordered
     }
 
     fn build(set: &RaySet) -> Ordered {
         let order = order::order(&set.samples, set.exponent);
         let blocks = Blocks::new(set, &order);
-        let is_lambert = set.exponent == 1.0;
-        Ordered {
-            levels: if is_lambert { Levels::build(&blocks, order.depth) } else { None },
-            cones: (!is_lambert).then(|| Cones::build(&blocks)),
-            blocks,
+        match is_lambert(set) {
+            true => Ordered { levels: Levels::build(&blocks, order.depth), cones: None, blocks },
+            false => Ordered::with_cones(blocks),
         }
+    }
+
+    fn with_cones(blocks: Blocks) -> Ordered {
+        Ordered { levels: None, cones: Some(Cones::build(&blocks)), blocks }
     }
 }
 
@@ -119,7 +132,15 @@ impl LightTree {
     ///
     /// Samples that are not finite, or have neither flux nor direction, are left out.
     pub fn build(set: &RaySet) -> LightTree {
-        let ordered = Ordered::of(set);
+        LightTree::shared(set).unwrap_or_else(|| LightTree::of(set, Ordered::build(set).share(set)))
+    }
+
+    /// The tree of the same samples, if somebody still holds one.
+    pub fn shared(set: &RaySet) -> Option<LightTree> {
+        Ordered::shared(set).map(|ordered| LightTree::of(set, ordered))
+    }
+
+    fn of(set: &RaySet, ordered: Arc<Ordered>) -> LightTree {
         LightTree {
             bounds: ordered.blocks.bounds(|p| set.world_from_local.transform_point3(p)),
             ordered,
@@ -136,9 +157,9 @@ impl LightTree {
     /// `light_error`: largest error relative to each of the two sums; 0, or less than 1e-4, for the
     /// exact sum. The answer's estimates are at most `light_error` times the sums, or times 1e-14
     /// of what the set could send straight at the hit where the sums are darker than that.
-    /// `visible` takes positions in mm of the world, and is asked once a node, and once a sample
-    /// where hidden and seen nodes touch; a blocker too small to hide the mean place of one of
-    /// about 64 nodes may be missed unless `light_error` is 0.
+    /// `visible` takes places in mm of the world. Nodes of which it knows nothing are asked at one
+    /// place each, and at each sample where hidden and seen ones touch; a blocker too small to hide
+    /// the mean place of one of about 64 such nodes may be missed unless `light_error` is 0.
     /// Below 0.01 the errors of nodes that a series describes well add up as independent ones, three
     /// times the root of the sum of their squares; by their plain sum they stay within 0.01 still.
     /// A sample at the hit itself has no direction and adds nothing.
@@ -165,6 +186,11 @@ impl LightTree {
     /// The box that holds the samples that emit, and a little more, mm of the world.
     pub fn bounds(&self) -> (DVec3, DVec3) {
         self.bounds
+    }
+
+    /// The middle of [`LightTree::bounds`].
+    pub fn middle(&self) -> DVec3 {
+        0.5 * (self.bounds.0 + self.bounds.1)
     }
 
     /// How many samples emit.
@@ -201,9 +227,13 @@ impl LightTree {
             inverse_square: query.photometry == Photometry::Absolute,
             exponent: self.exponent,
         };
-        let free_here =
-            |p: DVec3| visible.is_none_or(|free| free(self.world_from_local.transform_point3(p)));
-        let visible_here = visible.map(|_| &free_here as Visibility);
+        let to_world = |p: DVec3| self.world_from_local.transform_point3(p);
+        let place = |p: DVec3| visible.is_none_or(|by| (by.place)(to_world(p)));
+        let ball = |center: DVec3, radius: f64| {
+            let in_world = |by: Visibility| (by.ball)(to_world(center), radius * self.scale);
+            visible.map_or(Sight::Seen, in_world)
+        };
+        let visible_here = visible.map(|_| Visibility { place: &place, ball: &ball });
         let is_exact = light_error < SMALLEST_LIGHT_ERROR;
         let Ordered { blocks, levels, cones } = &*self.ordered;
         let mut side_sum = match (levels, cones) {

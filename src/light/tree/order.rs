@@ -32,12 +32,34 @@ pub(super) fn order(samples: &[RaySample], exponent: f64) -> Order {
         .filter(|(sample, _)| emits(sample))
         .map(|(sample, index)| Placed { position: sample.position, index })
         .collect();
-    let depth = placed.len().div_ceil(BLOCK_SAMPLES).next_power_of_two().ilog2();
+    let depth = depth(placed.len());
     let axes = Axes::new(samples, exponent, &placed);
     split(&mut placed, &axes, depth);
-    let mut starts = vec![0];
-    push_starts(0..placed.len(), depth, &mut starts);
-    Order { placed, starts, depth }
+    Order::of_blocks(placed, depth)
+}
+
+impl Order {
+    fn of_blocks(placed: Vec<Placed>, depth: u32) -> Order {
+        let mut starts = vec![0];
+        push_starts(0..placed.len(), depth, &mut starts);
+        Order { placed, starts, depth }
+    }
+
+    /// An order that is known: indices in the order of the blocks. `None` for an index beyond `samples`.
+    pub fn known(samples: &[RaySample], indices: &[u32]) -> Option<Order> {
+        let place = |&index: &u32| {
+            let position = samples.get(index as usize)?.position;
+            Some(Placed { position, index })
+        };
+        let placed: Vec<Placed> = indices.iter().map(place).collect::<Option<_>>()?;
+        let depth = depth(placed.len());
+        Some(Order::of_blocks(placed, depth))
+    }
+}
+
+/// Halvings until a block is small enough.
+fn depth(count: usize) -> u32 {
+    count.div_ceil(BLOCK_SAMPLES).next_power_of_two().ilog2()
 }
 
 fn emits(sample: &RaySample) -> bool {

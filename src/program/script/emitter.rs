@@ -127,7 +127,8 @@ fn emitter(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
 
 fn filament(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let given: FilamentOptions = arguments.record()?;
-    host::of(lua)?.note_seed("filament", given.seed);
+    let host = host::of(lua)?;
+    host.note_seed("filament", given.seed);
     reserve_samples(lua, "filament", given.samples)?;
     let filament = Filament {
         coil: Coil {
@@ -143,7 +144,10 @@ fn filament(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
         seed: given.seed,
     };
     let surface = given.visible.then(|| filament.surface()).transpose()?;
-    Ok(LuaLight { surface, ..LuaLight::new(filament.rayset()?, given.spectrum) })
+    Ok(LuaLight {
+        surface,
+        ..LuaLight::new(host.settings.cache.rayset(&filament)?, given.spectrum)
+    })
 }
 
 options! {
@@ -200,12 +204,13 @@ fn bulb(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaLight> {
     let category = arguments.text("category")?;
     let given: BulbOptions = arguments.record()?;
     let bulb = Bulb::find(&category, given.filament)?;
-    host::of(lua)?.note_seed("bulb", given.seed);
+    let host = host::of(lua)?;
+    host.note_seed("bulb", given.seed);
     reserve_samples(lua, "bulb", given.samples)?;
     let BulbOptions { center, axis, filament_axis, .. } = given;
     let socket = Socket { center, axis, filament_axis };
     let filament = bulb.filament(&socket, given.samples, given.seed)?;
-    let rays = filament.rayset()?;
+    let rays = host.settings.cache.rayset(&filament)?;
     let surface = given.visible.then(|| filament.surface()).transpose()?;
     let glass = given.glass.map(|glass| glass.part(center)).transpose()?;
     let flux_lm = given.flux.unwrap_or(rays.flux_lm);

@@ -12,6 +12,7 @@ use super::kept::Kept;
 use crate::display::{Gamut, GamutReport, Look};
 use crate::error::{Error, Result};
 use crate::output;
+use crate::program::cache::Cache;
 use crate::program::memory;
 use crate::program::progress::{Progress, Verbosity};
 use crate::program::screen::Screen;
@@ -46,6 +47,8 @@ pub struct Settings {
     pub reads: Reads,
     /// Prepared scenes that others may take parts from.
     pub in_use: InUse,
+    /// What earlier processes made.
+    pub cache: Cache,
 }
 
 /// The files that a run has read so far.

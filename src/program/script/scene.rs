@@ -5,7 +5,7 @@ use std::sync::Arc;
 use mlua::{Lua, Table, UserData, UserDataRegistry, Value};
 
 use super::environment::BackgroundKind;
-use super::host::Host;
+use super::host::{Host, Settings};
 use super::image::LuaImage;
 use super::kinds::{
     Choice, Count, Flag, Handle, Kind, List, Naming, Nested, Number, SpectrumOrNumber, any,
@@ -121,7 +121,8 @@ fn new(lua: &Lua, mut arguments: Arguments) -> mlua::Result<LuaScene> {
     scene.check()?;
     let host = host::of(lua)?;
     scene.warnings().into_iter().for_each(|warning| host.warn(warning));
-    Ok(LuaScene(Arc::new(Stage::new(scene, host.settings.in_use.clone()))))
+    let Settings { in_use, cache, .. } = &host.settings;
+    Ok(LuaScene(Arc::new(Stage::new(scene, in_use.clone(), cache.clone()))))
 }
 
 #[derive(Default)]

@@ -1,13 +1,14 @@
 //! SHA-256 of files and of what a view is made from.
 
 use std::fmt;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
 use sha2::{Digest as _, Sha256};
 
 use crate::error::{Error, Result};
 use crate::input;
+use crate::light::{RaySample, write_samples};
 
 /// A SHA-256 digest; shown as 64 hexadecimal digits.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -43,7 +44,8 @@ impl Digest {
         good.then(|| Self(text.to_owned()))
     }
 
-    pub(super) fn to_bytes(&self) -> Vec<u8> {
+    /// Its 32 bytes.
+    pub fn to_bytes(&self) -> Vec<u8> {
         let digit = |byte: u8| (byte as char).to_digit(16).unwrap_or_default() as u8;
         self.0.as_bytes().chunks(2).map(|pair| 16 * digit(pair[0]) + digit(pair[1])).collect()
     }
@@ -88,14 +90,31 @@ impl Hasher {
         }
     }
 
+    /// Samples by their bits, with their count before them.
+    pub fn samples(&mut self, samples: &[RaySample]) {
+        self.bytes(&(samples.len() as u64).to_le_bytes());
+        write_samples(samples, self).expect("a digest takes all bytes");
+    }
+
     /// The digest of all that was added.
     pub fn finish(self) -> Digest {
-        use std::fmt::Write;
+        use std::fmt::Write as _;
         let mut hex = String::with_capacity(64);
         for byte in self.0.finalize() {
             let _ = write!(hex, "{byte:02x}"); // writing to a string cannot fail
         }
         Digest(hex)
+    }
+}
+
+impl Write for Hasher {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.bytes(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 

@@ -92,12 +92,7 @@ fn add_rays(hasher: &mut Hasher, rays: &RaySet) {
     if *exponent != 1.0 {
         hasher.text(&format!("directions {exponent}"));
     }
-    hasher.bytes(&(samples.len() as u64).to_le_bytes());
-    for sample in samples.iter() {
-        for value in sample.position.iter().chain(&sample.direction).chain([&sample.flux]) {
-            hasher.bytes(&value.to_bits().to_le_bytes());
-        }
-    }
+    hasher.samples(samples);
 }
 
 #[cfg(test)]

@@ -41,6 +41,7 @@ fn compare(random: &mut Random, meshes: &[Arc<Mesh>], size: f64) -> usize {
         for bvh in &all {
             let role = |object: usize| if blocks[object] { Role::Blocks } else { Role::None };
             let Some(shaft) = bvh.shaft(&from, leaving, place, role) else { continue };
+            let hides_all = shaft.hides_all();
             for _ in 0..12 {
                 let target = target_in(random, place);
                 assert!(shaft.holds(target));
@@ -48,6 +49,7 @@ fn compare(random: &mut Random, meshes: &[Arc<Mesh>], size: f64) -> usize {
                 let plain = bvh.is_occluded(start, target, Some(leaving), &blocks);
                 assert_eq!(bvh.is_occluded_in(&shaft, (start, target), leaving), plain);
                 assert!(!(plain && shaft.is_free()));
+                assert!(plain || !hides_all);
                 let way = target - from.point;
                 if way.length() > 0.0 {
                     let ray = Ray { origin: start, direction: way / way.length() };
@@ -117,4 +119,61 @@ fn a_shaft_through_a_crowd_is_given_up() {
     let hit = hit.expect("above the floor");
     let place = (DVec3::new(-0.9, -0.9, 2.0), DVec3::new(0.9, 0.9, 2.1));
     assert!(bvh.shaft(&bvh.departure(&hit), hit.triangle, place, |_| Role::Blocks).is_none());
+}
+
+/// The share of hits on a bumpy ball, from inside, that know of a box outside that it is hidden.
+#[test]
+fn a_closed_wall_hides_a_box_at_once() {
+    let mut random = Random(24);
+    let meshes = [Arc::new(ball(DVec3::ZERO, 10.0, 40, &mut random))];
+    let all = on_each_kernel(&meshes);
+    let (mut known, mut asked) = (0, 0);
+    for _ in 0..500 {
+        let ray = Ray { origin: DVec3::ZERO, direction: random.direction() };
+        let hit = all[0].closest_hit(&ray, None).expect("the ball is closed");
+        let from = all[0].departure(&hit);
+        let middle = -30.0 * ray.direction + 5.0 * random.in_cube();
+        let place = (middle - DVec3::splat(0.3), middle + DVec3::splat(0.3));
+        for bvh in &all {
+            let shaft = bvh.shaft(&from, hit.triangle, place, |_| Role::Blocks);
+            let Some(shaft) = shaft else { continue };
+            asked += 1;
+            known += u32::from(shaft.hides_all());
+            let target = target_in(&mut random, place);
+            let start = from.toward(target - from.point);
+            assert!(bvh.is_occluded(start, target, Some(hit.triangle), &[true]));
+        }
+    }
+    assert!(asked > 900 && 100 * known > 95 * asked, "{known} of {asked}");
+}
+
+/// Walls of small triangles between a floor and a box.
+#[test]
+fn a_wall_with_a_hole_does_not_hide_all() {
+    let axes = [DVec3::X, DVec3::Y];
+    let floor = || grid(DVec3::new(-5.0, -5.0, 0.0), axes.map(|x| 10.0 * x), 1);
+    let wall = |height: f64| grid(DVec3::new(-5.0, -5.0, height), axes.map(|x| 10.0 * x), 10);
+    let holed = |height: f64| {
+        let whole = wall(height);
+        let mut mesh = Mesh::clone(&whole);
+        let middle = mesh.positions.len() as u32 / 2;
+        mesh.triangles.retain(|triangle| !triangle.contains(&middle));
+        assert!(mesh.triangles.len() < whole.triangles.len());
+        Arc::new(mesh)
+    };
+    let narrow = grid(DVec3::new(-5.0, -5.0, 1.0), [10.0 * DVec3::X, 5.05 * DVec3::Y], 10);
+    let hides = |meshes: &[Arc<Mesh>], height: f64| {
+        let bvh = Bvh::build(&[&[floor()], meshes].concat());
+        let ray = Ray { origin: DVec3::new(0.01, 0.02, 0.5), direction: DVec3::NEG_Z };
+        let hit = bvh.closest_hit(&ray, None).expect("the floor");
+        let place = (DVec3::new(-0.4, -0.3, height), DVec3::new(0.3, 0.4, height + 0.1));
+        let shaft = bvh.shaft(&bvh.departure(&hit), hit.triangle, place, |_| Role::Blocks);
+        shaft.expect("few triangles").hides_all()
+    };
+    assert!(hides(&[wall(1.0)], 4.0));
+    assert!(!hides(&[holed(1.0)], 4.0), "a hole");
+    assert!(!hides(&[narrow], 4.0), "an edge");
+    assert!(hides(&[holed(1.0), wall(1.5)], 4.0), "a wall behind a hole");
+    assert!(!hides(&[wall(1.0)], 0.5), "before the wall");
+    assert!(!hides(&[wall(1.0)], 0.95), "through the wall");
 }
