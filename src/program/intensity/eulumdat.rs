@@ -15,8 +15,9 @@ const ROOM_INDICES: usize = 10;
 impl IntensityGrid {
     /// The grid as an EULUMDAT file: cd/klm about the lamp's axis, +Z.
     ///
-    /// C planes turn from +X (C = 0°) over +Y (90°); γ is the angle to +Z. Values lie linearly
-    /// between those of the grid, out to the largest γ that the grid holds in all planes.
+    /// C planes turn from −X (C = 0°) over +Y (90°): counter-clockwise for one who looks out of the
+    /// lamp, as CIE has it. γ is the angle to +Z. Values lie linearly between those of the grid, out
+    /// to the largest γ that the grid holds in all planes.
     /// Errors: a grid that does not reach around the axis, so that no γ but 0° is in all planes.
     pub fn to_eulumdat(&self, name: &str) -> Result<String> {
         let name = one_line(name);
@@ -69,7 +70,7 @@ impl IntensityGrid {
 fn direction(plane: usize, gamma_deg: f64) -> Direction {
     let (sin_c, cos_c) = (plane as f64 * PLANE_STEP_DEG).to_radians().sin_cos();
     let (sin_g, cos_g) = gamma_deg.to_radians().sin_cos();
-    let (x, y, z) = (sin_g * cos_c, sin_g * sin_c, cos_g);
+    let (x, y, z) = (-sin_g * cos_c, sin_g * sin_c, cos_g);
     Direction { h_deg: x.atan2(z).to_degrees(), v_deg: y.clamp(-1.0, 1.0).asin().to_degrees() }
 }
 
@@ -91,7 +92,7 @@ mod tests {
         assert_eq!(lines[42], "0", "first plane");
         assert_eq!(lines[43], "15", "second plane");
         assert_eq!(lines[first], "200.0000");
-        assert_eq!(lines[first + 5], "205.0000", "5° toward +X");
+        assert_eq!(lines[first + 5], "195.0000", "5° toward −X");
         assert_eq!(lines[first + 6 * gammas + 5], "210.0000", "5° up");
         assert_eq!(lines.len(), first + 24 * gammas + 1);
     }

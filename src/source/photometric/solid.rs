@@ -205,14 +205,17 @@ fn place(angles: &[f64], angle: f64) -> Option<(usize, f64)> {
 
 /// Plane and tilt of a unit vector, degrees.
 ///
-/// Types A and B turn clockwise as seen from above, so that positive angles are on the right of one
-/// who looks out of the lamp: toward −X. C planes turn from +X over +Y.
-fn angles_of(angles: AngleType, DVec3 { x, y, z }: DVec3) -> [f64; 2] {
+/// Horizontal angles of types A and B turn clockwise, of type C counter-clockwise (LM-63-2002). So who
+/// looks out of the lamp has positive angles of type A to the right (−X) and up, and C planes turn from
+/// the right (C = 0°) over up (+Y, 90°), as CIE's do. Of type B, whose planes share the axis ±X,
+/// horizontal angles are down and vertical ones to the right: as Radiance's `ies2rad` has both, turned
+/// about Y.
+pub(super) fn angles_of(angles: AngleType, DVec3 { x, y, z }: DVec3) -> [f64; 2] {
     let asin = |v: f64| v.clamp(-1.0, 1.0).asin().to_degrees();
     match angles {
         AngleType::A => [(-x).atan2(z).to_degrees(), asin(y)],
-        AngleType::B => [y.atan2(z).to_degrees(), asin(-x)],
-        AngleType::C => [y.atan2(x).to_degrees(), z.clamp(-1.0, 1.0).acos().to_degrees()],
+        AngleType::B => [(-y).atan2(z).to_degrees(), asin(-x)],
+        AngleType::C => [y.atan2(-x).to_degrees(), z.clamp(-1.0, 1.0).acos().to_degrees()],
     }
 }
 
@@ -222,8 +225,8 @@ pub(super) fn direction(angles: AngleType, plane_deg: f64, tilt_deg: f64) -> DVe
     let (sin_t, cos_t) = tilt_deg.to_radians().sin_cos();
     match angles {
         AngleType::A => DVec3::new(-sin_p * cos_t, sin_t, cos_p * cos_t),
-        AngleType::B => DVec3::new(-sin_t, sin_p * cos_t, cos_p * cos_t),
-        AngleType::C => DVec3::new(sin_t * cos_p, sin_t * sin_p, cos_t),
+        AngleType::B => DVec3::new(-sin_t, -sin_p * cos_t, cos_p * cos_t),
+        AngleType::C => DVec3::new(-sin_t * cos_p, sin_t * sin_p, cos_t),
     }
 }
 

@@ -74,10 +74,25 @@ fn directions_are_where_the_standard_has_them() {
     let c = read(&lm63(1, &even(0.0, 360.0, 45.0), &even(0.0, 90.0, 10.0), side)).unwrap();
     let toward = |x: f64, y: f64| c.solid.intensity_cd(DVec3::new(x, y, 1.0).normalize());
     assert!(toward(0.0, 0.5) > 0.99 && toward(0.0, -0.5) == 0.0, "C 90° is +Y");
+    assert!((toward(-0.5, 0.5) - 1.0).abs() < 1e-9 && toward(-0.5, -0.5) == 0.0, "C 45°, C 315°");
+    // As `ies2rad` turns them about nadir, −Z: C 0° toward +X, C 90° toward +Y; H 90° of type B toward
+    // −Y, V 90° toward +X. Here all of it is turned by 180° about Y.
+    for (kind, [plane, tilt], expected) in [
+        (AngleType::A, [90.0, 0.0], DVec3::NEG_X),
+        (AngleType::A, [0.0, 90.0], DVec3::Y),
+        (AngleType::B, [90.0, 0.0], DVec3::NEG_Y),
+        (AngleType::B, [0.0, 90.0], DVec3::NEG_X),
+        (AngleType::C, [0.0, 90.0], DVec3::NEG_X),
+        (AngleType::C, [90.0, 90.0], DVec3::Y),
+    ] {
+        assert!(solid::direction(kind, plane, tilt).distance(expected) < 1e-12, "{kind}");
+    }
     for kind in [AngleType::A, AngleType::B, AngleType::C] {
         let [plane, tilt] = [20.0, 35.0];
         let direction = solid::direction(kind, plane, tilt);
         assert!((direction.length() - 1.0).abs() < 1e-12, "{kind}");
+        let [p, t] = solid::angles_of(kind, direction);
+        assert!((p - plane).abs() < 1e-9 && (t - tilt).abs() < 1e-9, "{kind}: {p} {t}");
     }
 }
 
