@@ -2,6 +2,7 @@
 
 mod bodies;
 mod emitters;
+mod overlap;
 pub mod plausibility;
 mod reuse;
 mod tables;

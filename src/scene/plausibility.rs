@@ -1,5 +1,6 @@
 //! What can be rendered but was hardly meant: noticed once the scene is prepared.
 
+use super::overlap::overlap_warning;
 use crate::geometry::{DVec3, Mesh, Ray};
 use crate::light::RaySample;
 use crate::scene::{Prepared, Scene, SurfaceKind};
@@ -18,6 +19,7 @@ pub fn of_scene(prepared: &Prepared) -> Vec<String> {
     let objects = 0..prepared.scene.objects.len();
     warnings.extend(objects.clone().filter_map(|at| normals_warning(&prepared.scene, at)));
     warnings.extend(objects.filter_map(|at| body_warning(prepared, at)));
+    warnings.extend(overlap_warning(prepared));
     // What bounces lies on surfaces of itself.
     let all = prepared.scene.lights.len();
     let lights = 0..prepared.interreflection.map_or(all, |report| report.first_light);
