@@ -19,7 +19,7 @@ const MOST_COLUMNS: usize = 6;
 const LABEL_HEIGHT: usize = 18;
 const LABEL_SIZE: u32 = 13;
 const LABEL_CD_M2: f64 = 60.0;
-/// Views that fit at this size; of more, each is smaller and more stand in a row.
+/// Of more views every second, third and so on stands for all: a larger picture is none to look at.
 const FULL_SHEET: usize = 500;
 
 /// Writes the sheet and returns its name, or `None` for a sweep without views.
@@ -29,18 +29,19 @@ pub(super) fn write(folder: &Path, manifest: &Manifest) -> Result<Option<&'stati
     let Some(display) = manifest.pictures.get("look").and_then(display_of) else {
         return Err(Error::inconsistent("sweep", "the manifest's display is none"));
     };
-    let times = manifest.views.len().div_ceil(FULL_SHEET).max(1);
+    let stride = manifest.views.len().div_ceil(FULL_SHEET).max(1);
     let linear = LinearTables::new(&display);
     let thumbnail = |entry: &Entry| {
         let (raster, bits) = output::read_png(&folder.join(format!("{}.png", entry.name)))?;
         let label = label(entry, &display)?;
-        Ok(linear.thumbnail(&raster, bits, &display, (THUMBNAIL_WIDTH / times).max(8)).over(label))
+        Ok(linear.thumbnail(&raster, bits, &display).over(label))
     };
-    let thumbnails: Vec<Thumbnail> = manifest.views.iter().map(thumbnail).collect::<Result<_>>()?;
+    let shown = manifest.views.iter().step_by(stride);
+    let thumbnails: Vec<Thumbnail> = shown.map(thumbnail).collect::<Result<_>>()?;
     if thumbnails.is_empty() {
         return Ok(None);
     }
-    let raster = output::display_raster(&sheet(&thumbnails, MOST_COLUMNS * times), &display)?;
+    let raster = output::display_raster(&sheet(&thumbnails), &display)?;
     output::write_png(&folder.join(NAME), &raster)?;
     Ok(Some(NAME))
 }
@@ -91,8 +92,8 @@ impl LinearTables {
         Self { full, light: std::array::from_fn(light) }
     }
 
-    fn thumbnail(&self, raster: &Raster, bits: u32, display: &Display, most: usize) -> Thumbnail {
-        let width = raster.width.min(most);
+    fn thumbnail(&self, raster: &Raster, bits: u32, display: &Display) -> Thumbnail {
+        let width = raster.width.min(THUMBNAIL_WIDTH);
         let height = (raster.height * width / raster.width.max(1)).max(1);
         let span = |at: usize, count: usize, of: usize| {
             let start = at * of / count;
@@ -129,10 +130,10 @@ impl LinearTables {
 }
 
 /// Row by row, each in a cell of the largest thumbnail's size.
-fn sheet(thumbnails: &[Thumbnail], most_columns: usize) -> DisplayImage {
+fn sheet(thumbnails: &[Thumbnail]) -> DisplayImage {
     let largest = |side: fn(&Thumbnail) -> usize| thumbnails.iter().map(side).max().unwrap_or(0);
     let (cell_width, cell_height) = (largest(|t| t.width), largest(|t| t.height));
-    let columns = thumbnails.len().min(most_columns);
+    let columns = thumbnails.len().min(MOST_COLUMNS);
     let rows = thumbnails.len().div_ceil(columns);
     let width = columns * (cell_width + MARGIN) + MARGIN;
     let height = rows * (cell_height + MARGIN) + MARGIN;
@@ -163,7 +164,7 @@ mod tests {
             color_space: output::ColorSpace::Srgb,
             metadata: Default::default(),
         };
-        let small = LinearTables::new(&display).thumbnail(&raster, 8, &display, THUMBNAIL_WIDTH);
+        let small = LinearTables::new(&display).thumbnail(&raster, 8, &display);
         assert_eq!((small.width, small.height), (240, 1));
         // Half the light of white is digit 188, not 128.
         assert!(small.digits.iter().all(|d| *d == [188; 3]));
@@ -184,7 +185,7 @@ mod tests {
     #[test]
     fn sheets_fill_rows_of_six() {
         let thumbnail = |_| Thumbnail { width: 2, height: 1, digits: vec![[9; 3]; 2] };
-        let sheet = sheet(&(0..7).map(thumbnail).collect::<Vec<_>>(), MOST_COLUMNS);
+        let sheet = sheet(&(0..7).map(thumbnail).collect::<Vec<_>>());
         assert_eq!((sheet.width, sheet.height), (6 * 10 + 8, 2 * 9 + 8));
         assert_eq!(sheet.digits.iter().filter(|d| d[0] == 9).count(), 14);
         assert_eq!(sheet.digits[17 * sheet.width + 8], [9; 3]);
