@@ -12,6 +12,7 @@ use super::shaft::{Candidate, Shaft};
 use super::walk;
 use super::wide::{NO_TRIANGLE, Packet};
 use super::{Bvh, departure};
+#[cfg(target_arch = "x86_64")]
 use crate::simd::Simd;
 
 /// The open segment of a visibility question.

@@ -19,6 +19,7 @@ use super::umbra;
 use super::walk::{LEAST_DIRECTION, take_lane};
 use super::wide::{CORNERS, LANES, Packet, Tree, WideNode};
 use super::{Bvh, Departure};
+#[cfg(target_arch = "x86_64")]
 use crate::simd::Simd;
 
 /// Shafts in which more packets may stand are given up: asking them would cost as much as walks.
