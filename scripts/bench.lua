@@ -2,11 +2,12 @@
 --
 --   lampyris run --cache off scripts/bench.lua [-- SAMPLES [WIDTH]]      a million light samples a bulb, or as many
 --
--- Prints three tables in Markdown. The first: what is rendered, seconds by stage, and how many rays
+-- Prints four tables in Markdown. The first: what is rendered, seconds by stage, and how many rays
 -- and light sums a second that took; rays are those of the camera, of mirrors, of lenses and to
 -- lights. The second: how far light sums at hits of the views are from exact ones, and how much
 -- less they cost. The third: how long pictures take whose luminance is within 10, 3 and 1 % over lit
--- pixels, how long that was thought to take after the first samples, and the samples a pixel.
+-- pixels, how long that was thought to take after the first samples, and the samples a pixel. The
+-- fourth: what shadows cost, in a close view of model 1 with 2 rays a pixel.
 
 local lampyris = require "lampyris"
 local model = require "model"
@@ -58,6 +59,25 @@ local function target_row(name, scene, view, errors)
   return row
 end
 
+--- Seconds with shadows and without, for each photometry.
+local function shadow_rows(built, shot)
+  local rows = {}
+  for _, photometry in ipairs { "relative", "absolute" } do
+    local function seconds(shadows)
+      local scene = lampyris.scene {
+        objects = built.objects, lights = model.lights(built, shot, light_samples),
+        photometry = photometry, shadows = shadows,
+      }
+      return scene:render(model.close_view(shot, width), { samples = 2 }).stats.seconds
+    end
+    local without, with = seconds(false), seconds(true)
+    table.insert(rows, {
+      photometry, ("%.1f s"):format(without), ("%.1f s"):format(with), ("×%.1f"):format(with / without),
+    })
+  end
+  return rows
+end
+
 local function print_table(headings, rows)
   local function line(cells) print("| " .. table.concat(cells, " | ") .. " |") end
   line(headings)
@@ -66,9 +86,10 @@ local function print_table(headings, rows)
 end
 
 local target_errors = paper.is_tiny and { 0.5, 0.3, 0.1 } or { 0.1, 0.03, 0.01 }
-local pictures, light_sums, targets, peak_memory_mb = {}, {}, {}, nil
+local pictures, light_sums, targets, shadows, peak_memory_mb = {}, {}, {}, nil, nil
 for number = 1, 4 do
   local built = model.build(require("model" .. number), paper.size(1, 6))
+  shadows = shadows or shadow_rows(built, built.shots[1])
   for _, shot in ipairs(built.shots) do
     local name = ("model %d, %s"):format(number, shot.name:gsub("^0*(%d+)$", "%1°"))
     local scene, view = model.scene(built, shot, light_samples), model.view(shot, width)
@@ -94,3 +115,5 @@ for _, target_error in ipairs(target_errors) do
   table.insert(headings, ("%g %%"):format(100 * target_error))
 end
 print_table(headings, targets)
+print("\nShadows, model 1, 0°:\n")
+print_table({ "photometry", "without", "with", "ratio" }, shadows)

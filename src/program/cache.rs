@@ -11,6 +11,7 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 use crate::error::Result;
+use crate::input;
 use crate::light::{LightTree, RaySet, read_samples, write_samples};
 use crate::output;
 use crate::program::sweep::{Digest, Hasher, executable};
@@ -119,7 +120,7 @@ impl CacheFolder {
 
     /// What is kept; `None` if there is nothing, or nothing whole.
     fn find<T>(&self, key: &Digest, read: impl FnOnce(&mut File) -> io::Result<T>) -> Option<T> {
-        let mut file = File::open(self.file(key)).ok()?;
+        let mut file = input::open_anywhere(&self.file(key)).ok()?;
         if !is_whole(&mut file).ok()? {
             return None;
         }
@@ -257,6 +258,28 @@ mod tests {
         assert_eq!(files(&folder).len(), 2);
         cache.rayset(&with_seed(2)).unwrap();
         assert_eq!(files(&folder).len(), 3);
+    }
+
+    /// Else nothing would show that files are read at all.
+    #[test]
+    fn what_a_file_of_the_right_name_holds_is_taken() {
+        let folder = ScratchFolder::new();
+        let cache = Cache::new(folder.path(""), 1 << 30);
+        let drawn = cache.rayset(&FILAMENT).unwrap();
+        let first = files(&folder);
+        let other = cache.rayset(&with_seed(2)).unwrap();
+        assert!(drawn.samples != other.samples);
+        let second = files(&folder).into_iter().find(|file| !first.contains(file)).unwrap();
+        fs::copy(second, &first[0]).unwrap();
+        assert_eq!(cache.rayset(&FILAMENT).unwrap().samples, other.samples);
+
+        let before = files(&folder);
+        drop(cache.light_tree(&other).unwrap());
+        let tree = files(&folder).into_iter().find(|file| !before.contains(file)).unwrap();
+        let empty: Vec<u8> = 0u64.to_le_bytes().into(); // a tree of no samples
+        let seal = Digest::of_bytes(&empty).to_bytes();
+        fs::write(tree, [empty, seal].concat()).unwrap();
+        assert!(cache.light_tree(&other).unwrap().is_empty());
     }
 
     #[test]

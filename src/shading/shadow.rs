@@ -123,8 +123,8 @@ impl Tracer<'_> {
         let query = self.hit_query(surface);
         let veils = RefCell::new(Vec::new());
         let shadow_rays = Cell::new(0);
-        let mut at = 0;
-        while at <= veils.borrow().len().saturating_sub(1) {
+        // The first is found by the first sum.
+        for at in 0.. {
             let visible = |position: DVec3| {
                 shadow_rays.set(shadow_rays.get() + 1);
                 let veil = || match &mut *veils.borrow_mut() {
@@ -145,7 +145,9 @@ impl Tracer<'_> {
             let asked = (self.limits.light_error, Some(visible));
             let sum = self.both_sides(tree, &query, asked, surface);
             take(sum, veils.borrow().get(at).and_then(|veil| self.left_by(veil)).as_ref());
-            at += 1;
+            if at + 1 >= veils.borrow().len() {
+                break;
+            }
         }
         shadow_rays.get()
     }

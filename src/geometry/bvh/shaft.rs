@@ -37,7 +37,7 @@ pub struct Shaft {
     /// The hit.
     point: DVec3,
     candidates: Vec<Candidate>,
-    pub(super) blockers: Vec<Blocker>,
+    blockers: Vec<Blocker>,
     /// Of the candidates that do not block.
     panes: Vec<Pyramid>,
     /// The blocker that hid a place last is asked first: neighbors hide neighbors.
@@ -393,8 +393,8 @@ impl Sides {
         (0..CORNERS).fold(0, |bits, i| bits | u32::from(height[i] <= most) << i)
     }
 
-    /// Triangles that the plane of an edge parts from all segments, one bit each: those of which
-    /// [`Sides::pyramid`] finds the same, all lanes at once.
+    /// Triangles that the plane of an edge parts from all segments, one bit each; none of slivers, whose
+    /// edges have no sure side. All lanes at once.
     #[inline(always)]
     fn parted(&self, packet: &Packet) -> u32 {
         let mut corners = [[[0.0; LANES]; 3]; 3];
@@ -433,7 +433,7 @@ impl Sides {
         2.0 * self.slack_mm * (self.middle.abs() + self.half).max_element()
     }
 
-    /// What a triangle hides; `None` if a plane parts it from all segments.
+    /// What a triangle hides; `None` if its own plane parts it from all segments.
     #[inline(always)]
     fn pyramid(&self, corners: [DVec3; 3]) -> Option<Pyramid> {
         let [a, b, c] = corners.map(|corner| corner - self.point);
@@ -444,11 +444,6 @@ impl Sides {
         // Of a sliver, or one seen edge-on, no side of an edge is sure to be inside.
         let is_turned = volume.abs() > slacks[0].max(slacks[1]).max(slacks[2]);
         let edges = [a.cross(b), b.cross(c), c.cross(a)].map(|n| n * volume.signum());
-        let is_past =
-            |i: usize| edges[i].dot(self.middle) + self.half.dot(edges[i].abs()) < -slacks[i];
-        if is_turned && (0..3).any(is_past) {
-            return None;
-        }
         let across = (b - a).cross(c - a);
         let normal = across / across.length();
         let of_starts = self.starts.map(|start| (start - corners[0]).dot(normal));
